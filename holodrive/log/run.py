@@ -1,0 +1,72 @@
+"""A recorded run as arrays: what a log holds, what reports draw, what a comparison compares."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from holodrive.robots.spec import Robot
+from holodrive.types import Array, Command, Estimate, Event, Pose, Reference, Scan, Twist, WheelCommand, WheelState
+from holodrive.worlds.spec import World
+
+
+class Tick(NamedTuple):
+    """One control tick, as the loop hands it to the recorder.
+
+    `decided` is what the controller asked for, `applied` what was really sent after pipeline, gate and base.
+    `truth` and `true_twist` are known in simulation and with motion capture only. `duty` (n,) is None when unknown.
+    """
+
+    time: float
+    estimate: Estimate
+    reference: Reference
+    decided: Command
+    applied: WheelCommand
+    wheels: WheelState
+    truth: Pose | None = None
+    true_twist: Twist | None = None
+    duty: Array | None = None
+
+
+@dataclass(frozen=True)
+class Run:
+    """A whole run; T ticks, n wheels, m steered wheels. Unknown values are NaN.
+
+    Attributes:
+        robot, world: as they were, with their TOML texts.
+        settings: what it takes to repeat the run, JSON-able: controller, params, plant, seed, reference,
+            duration, version, id.
+        time: (T,) [s].
+        pose: (T, 3) true pose in `map`.
+        estimate: (T, 3) believed pose; `covariance`: (T, 3, 3).
+        reference: (T, 3) wanted pose.
+        twist: (T, 3) true body twist.
+        decided: (T, 3) twist that the controller asked for (NaN for wheel commands).
+        wheel_commands: (T, n) applied [rad/s]; `wheel_speeds`: (T, n) measured [rad/s].
+        steer_commands, steer: (T, m) [rad].
+        duty: (T, n) in [-1, 1].
+        slip: (T,) [m/s of rim].
+        scans, events: as they came.
+        metrics: name -> number, see `holodrive.metrics`.
+        path: of the log file, when there is one.
+    """
+
+    robot: Robot
+    world: World | None
+    settings: dict[str, Any]
+    time: Array
+    pose: Array
+    estimate: Array
+    covariance: Array
+    reference: Array
+    twist: Array
+    decided: Array
+    wheel_commands: Array
+    wheel_speeds: Array
+    steer_commands: Array
+    steer: Array
+    duty: Array
+    slip: Array
+    scans: tuple[Scan, ...] = ()
+    events: tuple[Event, ...] = ()
+    metrics: dict[str, float] = field(default_factory=dict)
+    path: Path | None = None

@@ -1,0 +1,236 @@
+"""A robot as it is described: frozen values in SI and radians. Files become these in `robots/files.py`.
+
+Frames: `base_link` sits at the robot's reference point on the ground, x forward, y left.
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal
+
+from holodrive.types import Pose
+
+WheelKind = Literal["omni", "mecanum", "swerve"]
+
+
+@dataclass(frozen=True, slots=True)
+class Motor:
+    """A gearmotor seen from its output shaft (all values behind the gear).
+
+    Attributes:
+        name: entry of the motor library.
+        kind: "dc" (brushed) or "bldc" (electronically commutated; averaged to an equivalent DC motor here).
+        voltage_v: nominal supply.
+        no_load_speed_rad_s: at nominal voltage and full duty.
+        back_emf_v_s_rad: K_G, volts per output rad/s (also N m per A before the efficiency).
+        resistance_ohm: terminal.
+        inductance_h: terminal; neglected where L/R is far below the time step.
+        efficiency: of the gear, 0..1: torque out = efficiency * K_G * current - friction.
+        coulomb_friction_n_m, viscous_friction_n_m_s_rad: at the output shaft.
+        inertia_kg_m2: rotor and gear seen at the output shaft.
+        current_limit_a: of the driver.
+        lag_s: time constant with which the first-order plant's wheel speed follows.
+        gear: reduction, for the record.
+        source: where the numbers come from.
+    """
+
+    name: str
+    kind: Literal["dc", "bldc"]
+    voltage_v: float
+    no_load_speed_rad_s: float
+    back_emf_v_s_rad: float
+    resistance_ohm: float
+    inductance_h: float = 0.0
+    efficiency: float = 1.0
+    coulomb_friction_n_m: float = 0.0
+    viscous_friction_n_m_s_rad: float = 0.0
+    inertia_kg_m2: float = 0.0
+    current_limit_a: float = math.inf
+    lag_s: float = 0.05
+    gear: float = 1.0
+    source: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Encoder:
+    """Incremental encoder on the wheel's shaft. `counts_per_turn` is behind all decoding, per wheel turn."""
+
+    counts_per_turn: float
+    name: str = "encoder"
+    source: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Steering:
+    """The steering servo of a swerve module.
+
+    Attributes:
+        rate_rad_s: fastest steering.
+        lag_s: time constant with which the angle follows inside that rate.
+    """
+
+    rate_rad_s: float = 6.0
+    lag_s: float = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class WheelSpec:
+    """One named wheel.
+
+    Attributes:
+        x, y: contact point in `base_link` [m].
+        yaw: direction in which positive speed drives [rad]; for swerve the zero of the steering angle.
+        radius: [m].
+        roller: from the rolling direction to the axis of the roller on the ground [rad]:
+            0 for omni, +-45 deg for a usual Mecanum wheel; unused for swerve.
+        width: [m], for drawing.
+        motor, encoder, steering: parts; `encoder` None means that the wheel's speed is not measured.
+        inverted: the hardware counts and turns the other way; the software's sign is not touched.
+        max_speed_rad_s: limit of this wheel, at most the motor's no-load speed.
+    """
+
+    name: str
+    kind: WheelKind
+    x: float
+    y: float
+    yaw: float
+    radius: float
+    motor: Motor
+    max_speed_rad_s: float
+    roller: float = 0.0
+    width: float = 0.03
+    encoder: Encoder | None = None
+    steering: Steering | None = None
+    inverted: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Lidar:
+    """A planar scanning range sensor.
+
+    Attributes:
+        mount: pose in `base_link` [m, m, rad].
+        rate_hz: revolutions per second.
+        beams: per revolution, evenly spread over `field_of_view_rad`.
+        clockwise: direction of rotation (RPLIDAR: True).
+        range_min, range_max: [m].
+        noise_m, noise_relative: standard deviation is the larger of noise_m and noise_relative * range.
+        dropout: probability that a beam returns nothing.
+        motion_distortion: beams are taken one after another while the robot moves.
+    """
+
+    name: str
+    mount: Pose = Pose(0.0, 0.0, 0.0)
+    rate_hz: float = 10.0
+    beams: int = 360
+    field_of_view_rad: float = 2.0 * math.pi
+    clockwise: bool = True
+    range_min: float = 0.15
+    range_max: float = 12.0
+    noise_m: float = 0.0
+    noise_relative: float = 0.0
+    dropout: float = 0.0
+    motion_distortion: bool = True
+    source: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Imu:
+    """Yaw gyro and planar accelerometer; noise per sample at `rate_hz`."""
+
+    name: str
+    mount: Pose = Pose(0.0, 0.0, 0.0)
+    rate_hz: float = 100.0
+    gyro_noise_rad_s: float = 0.0
+    gyro_bias_rad_s: float = 0.0
+    gyro_bias_walk_rad_s: float = 0.0  # standard deviation of the bias after one second of walk
+    accel_noise_m_s2: float = 0.0
+    source: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Mouse:
+    """A ball or optical mouse looking at the ground: two counters of displacement in its own axes."""
+
+    name: str
+    mount: Pose = Pose(0.0, 0.0, 0.0)
+    resolution_m: float = 1e-5
+    noise_relative: float = 0.0
+    source: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Battery:
+    """Open-circuit voltage and inner resistance."""
+
+    voltage_v: float = 12.0
+    resistance_ohm: float = 0.1
+    capacity_c: float = math.inf  # coulomb
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """Wheel-ground contact: grip, rolling resistance of free rollers, slip speed at which grip saturates."""
+
+    friction: float = 0.6
+    roller_resistance: float = 0.02
+    slip_speed_m_s: float = 0.01
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What the base may do, beside what its wheels can do (the wheel-speed polytope)."""
+
+    speed_m_s: float = math.inf
+    yaw_rate_rad_s: float = math.inf
+    accel_m_s2: float = math.inf
+    yaw_accel_rad_s2: float = math.inf
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedLoop:
+    """The wheel-speed loop on the motor board: duty = feed-forward + kp * error + ki * integral of error.
+
+    Gains are per unit of the wheel's no-load speed: an error of the whole speed range times `kp` is that much duty.
+    """
+
+    kp: float = 0.5
+    ki: float = 4.0
+    filter_s: float = 0.03  # time constant of the encoder speed
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """A whole robot, as its file describes it.
+
+    Attributes:
+        name, title, source: for people.
+        mass_kg, inertia_kg_m2: body about its centre of mass (wheels included).
+        centre_of_mass: (x, y) in `base_link` [m].
+        footprint_radius_m: circle about `base_link` that encloses all parts.
+        wheels: in the order of the file; every array of wheels has this order.
+        control_period_s: of the one loop.
+        text: the TOML it came from, "" for one made in code (then `robots.files.dump` writes it).
+    """
+
+    name: str
+    wheels: tuple[WheelSpec, ...]
+    mass_kg: float
+    inertia_kg_m2: float
+    footprint_radius_m: float
+    title: str = ""
+    source: str = ""
+    centre_of_mass: tuple[float, float] = (0.0, 0.0)
+    battery: Battery = field(default_factory=Battery)
+    ground: Ground = field(default_factory=Ground)
+    limits: Limits = field(default_factory=Limits)
+    speed_loop: SpeedLoop = field(default_factory=SpeedLoop)
+    lidar: Lidar | None = None
+    imu: Imu | None = None
+    mice: tuple[Mouse, ...] = ()
+    control_period_s: float = 0.01
+    text: str = ""
+
+    @property
+    def steered(self) -> tuple[int, ...]:
+        """Indices of the steered wheels; steering arrays (m,) have this order."""
+        return tuple(i for i, wheel in enumerate(self.wheels) if wheel.kind == "swerve")
