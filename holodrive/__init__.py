@@ -50,7 +50,46 @@ _WHERE = {
 }
 _MODULES = ("control", "errors", "estimation", "geometry", "kinematics", "planning", "references", "robots", "worlds")
 
-__all__ = ["__version__", *sorted(_WHERE), *_MODULES]
+__all__ = [
+    "Chassis",
+    "Decision",
+    "DutyCommand",
+    "Estimate",
+    "HolodriveError",
+    "Observation",
+    "Pose",
+    "Reference",
+    "Robot",
+    "Run",
+    "Scan",
+    "Twist",
+    "Wheel",
+    "WheelCommand",
+    "WheelState",
+    "World",
+    "__version__",
+    "compare",
+    "control",
+    "drive",
+    "errors",
+    "estimation",
+    "export",
+    "geometry",
+    "kinematics",
+    "load",
+    "planning",
+    "read",
+    "references",
+    "render",
+    "replay",
+    "report",
+    "rerun",
+    "robots",
+    "rollout",
+    "simulate",
+    "world",
+    "worlds",
+]
 
 if TYPE_CHECKING:
     from holodrive import control, errors, estimation, geometry, kinematics, planning, references, robots, worlds

@@ -85,4 +85,10 @@ class Plug(Protocol):
         ...
 
 
-__all__ = ["Base", "Command", "CommandKind", "Controller", "Estimator", "Plug", "ReferenceSource"]
+class ControllerPlug(Plug, Protocol):
+    """A compiled controller also says what its command means."""
+
+    command_kind: ClassVar[CommandKind]
+
+
+__all__ = ["Base", "Command", "CommandKind", "Controller", "ControllerPlug", "Estimator", "Plug", "ReferenceSource"]

@@ -1,0 +1,99 @@
+"""Proportional control of the pose: the go-to-pose law of the swerve paper, and its screw-motion variant."""
+
+import math
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from numba import njit
+
+from holodrive import layout
+from holodrive.control.parameters import checked
+from holodrive.interfaces import CommandKind
+from holodrive.robots.spec import Robot
+from holodrive.types import Array
+
+_K_XY, _K_THETA, _SCREW, _ARRIVE_M, _ARRIVE_RAD, _FEED, _V_MAX, _W_MAX = range(8)
+
+
+@njit(cache=True)
+def go_to_pose_kernel(obs, memory, params, command):  # type: ignore[no-untyped-def]
+    """v* = K (p* - p) + feed-forward in the world, turned into the body; or xi = K log(T^-1 T*)."""
+    theta = obs[layout.POSE + 2]
+    dx = obs[layout.REF_POSE] - obs[layout.POSE]
+    dy = obs[layout.REF_POSE + 1] - obs[layout.POSE + 1]
+    turn = wrap(obs[layout.REF_POSE + 2] - theta)
+    c, s = math.cos(theta), math.sin(theta)
+    ex, ey = c * dx + s * dy, c * dy - s * dx
+    if params[_SCREW] != 0.0:
+        half = 1.0 if abs(turn) < 1e-6 else 0.5 * turn / math.tan(0.5 * turn)
+        ex, ey = half * ex + 0.5 * turn * ey, half * ey - 0.5 * turn * ex
+    fx, fy = obs[layout.REF_TWIST], obs[layout.REF_TWIST + 1]
+    vx = params[_K_XY] * ex + params[_FEED] * (c * fx + s * fy)
+    vy = params[_K_XY] * ey + params[_FEED] * (c * fy - s * fx)
+    omega = params[_K_THETA] * turn + params[_FEED] * obs[layout.REF_TWIST + 2]
+    # one factor for all three: the motion slows down, its shape stays
+    scale = min(
+        1.0,
+        params[_V_MAX] / max(math.hypot(vx, vy), 1e-12),
+        params[_W_MAX] / max(abs(omega), 1e-12),
+    )
+    command[0], command[1], command[2] = scale * vx, scale * vy, scale * omega
+    near = math.hypot(dx, dy) <= params[_ARRIVE_M] and abs(turn) <= params[_ARRIVE_RAD]
+    command[layout.ARRIVED] = 1.0 if near and obs[layout.REF_LAST] != 0.0 else 0.0
+
+
+@njit(cache=True)
+def wrap(angle):  # type: ignore[no-untyped-def]
+    """Angle [rad] in (-pi, pi]: a goal straight behind is turned to counter-clockwise."""
+    return angle - 2.0 * math.pi * math.ceil((angle - math.pi) / (2.0 * math.pi))
+
+
+@dataclass(frozen=True)
+class GoToPose:
+    """Go to the reference pose, and along with it while it moves (papers.md C4; third paper).
+
+    Attributes:
+        k_xy, k_theta: gains [1/s].
+        law: "world" pulls position and heading each straight to the goal; "screw" follows the SE(2) geodesic,
+            the motion of constant body twist (k_theta is not used; singular when the goal heading is straight behind).
+        feed_forward: share of the reference's own velocity that is added.
+        max_speed_m_s, max_yaw_rate_rad_s: of the command; infinite leaves it to the wheels' limits.
+        arrive_m, arrive_rad: how near is there.
+    """
+
+    k_xy: float = 1.0
+    k_theta: float = 1.0
+    law: Literal["world", "screw"] = "world"
+    feed_forward: float = 1.0
+    max_speed_m_s: float = math.inf
+    max_yaw_rate_rad_s: float = math.inf
+    arrive_m: float = 0.02
+    arrive_rad: float = math.radians(2.0)
+
+    command_kind: ClassVar[CommandKind] = "twist"
+    kernel: ClassVar[Any] = staticmethod(go_to_pose_kernel)
+
+    def __post_init__(self) -> None:
+        checked(self, positive=("k_xy", "k_theta", "max_speed_m_s", "max_yaw_rate_rad_s", "arrive_m", "arrive_rad"))
+
+    def memory_size(self, robot: Robot) -> int:
+        """No memory."""
+        return 0
+
+    def pack(self, robot: Robot) -> Array:
+        """As the kernel's index constants say."""
+        screw = self.law == "screw"
+        k_theta = self.k_xy if screw else self.k_theta
+        return np.array(
+            [
+                self.k_xy,
+                k_theta,
+                float(screw),
+                self.arrive_m,
+                self.arrive_rad,
+                self.feed_forward,
+                min(self.max_speed_m_s, robot.limits.speed_m_s),
+                min(self.max_yaw_rate_rad_s, robot.limits.yaw_rate_rad_s),
+            ]
+        )
