@@ -49,3 +49,6 @@ EST_TWIST = 3  # 3
 EST_COVARIANCE = 6  # 9, row by row
 EST_SLIP = 15  # m/s of rim
 ESTIMATE_SIZE = 16
+
+# --- memory of an estimator --------------------------------------------------------------------
+START_POSE = 0  # 3: whoever starts an estimator writes the known start pose here; all else starts as zeros
