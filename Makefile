@@ -36,7 +36,7 @@ bench: setup-dev ## measure what the README claims
 	@for script in benchmarks/bench_*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
 
 campaign: setup-dev ## the slow tests: more seeds, more robots
-	@$(BIN)/python -m pytest -m campaign $(PYTEST_ARGS)
+	@$(BIN)/python -m pytest -m campaign --hypothesis-profile=campaign $(PYTEST_ARGS)
 
 lock: ## renew requirements*.lock from pyproject.toml (needs uv)
 	@uv pip compile pyproject.toml --group build -o requirements.lock $(LOCK_ARGS)

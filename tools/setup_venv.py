@@ -169,7 +169,7 @@ def find_python():
     versions = ", ".join(sorted({".".join(map(str, answer[0])) for answer in found})) or "none"
     raise SetupError(
         "holodrive needs Python {}.{} or newer; found {}: {}".format(
-            OLDEST[0], OLDEST[1], versions, install_line("python3.12 python3.12-venv", "python3.12", "python")
+            OLDEST[0], OLDEST[1], versions, install_line("python3.11 python3.11-venv", "python3.12", "python")
         )
     )
 
@@ -268,7 +268,7 @@ def reason(lines):
     errors = [line for line in lines if line.startswith(("ERROR", "Error", "error"))]
     last = (errors or lines or ["no output"])[-1]
     if re.search(r"NewConnectionError|NameResolution|name resolution|ConnectTimeout|ProxyError|unreachable", text):
-        return "no connection to the package index; check the network or proxy, then try again ({})".format(last)
+        return "no connection to the package index; check the network or proxy, then try again"
     return last
 
 
