@@ -140,14 +140,15 @@ def _rest(rows, row, out):  # type: ignore[no-untyped-def]
 def _between(rows, row, time, out):  # type: ignore[no-untyped-def]
     h = rows[row + 1, 0] - rows[row, 0]
     u = (time - rows[row, 0]) / h
-    # cubic Hermite basis: value and slope fit at both ends, error O(h^4)
-    w = u * u * (3.0 - 2.0 * u)
+    # cubic Hermite: value and slope fit at both ends, error O(h^4); its own derivative is the twist
+    w, dw = u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u) / h
     a, b = h * u * (1.0 - u) ** 2, h * u * u * (u - 1.0)
+    da, db = (1.0 - u) * (1.0 - 3.0 * u), u * (3.0 * u - 2.0)
     for i in range(3):
-        out[i] = (
-            (1.0 - w) * rows[row, 1 + i] + w * rows[row + 1, 1 + i] + a * rows[row, 4 + i] + b * rows[row + 1, 4 + i]
-        )
-        out[3 + i] = (1.0 - u) * rows[row, 4 + i] + u * rows[row + 1, 4 + i]
+        step = rows[row + 1, 1 + i] - rows[row, 1 + i]
+        v0, v1 = rows[row, 4 + i], rows[row + 1, 4 + i]
+        out[i] = rows[row, 1 + i] + w * step + a * v0 + b * v1
+        out[3 + i] = dw * step + da * v0 + db * v1
         out[6 + i] = (1.0 - u) * rows[row, 7 + i] + u * rows[row + 1, 7 + i]
 
 

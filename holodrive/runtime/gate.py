@@ -88,30 +88,30 @@ def _refusal(command: WheelCommand | DutyCommand, limits: GateLimits) -> str:
     """Why this command may not pass, in words; "" when it may."""
     match command:
         case WheelCommand():
-            values, bounds, unit = command.speeds, limits.speeds_rad_s, "rad/s"
+            return _check(command.speeds, limits.speeds_rad_s, "rad/s", command.steer, limits)
         case DutyCommand() if limits.calibration:
-            values, bounds, unit = command.duty, (1.0,) * len(limits.wheels), "of full duty"
+            return _check(command.duty, (1.0,) * len(limits.wheels), "of full duty", command.steer, limits)
         case DutyCommand():
             return "a duty command passes in calibration mode only; command wheel speeds or a twist"
-        case _:
-            return f"a {type(command).__name__} is not a command for motors; allowed: WheelCommand, DutyCommand"
-    numbers, angles = _numbers(values), _numbers(command.steer)
+    return f"a {type(command).__name__} is not a command for motors; allowed: WheelCommand, DutyCommand"
+
+
+def _check(values: object, bounds: tuple[float, ...], unit: str, steer: object, limits: GateLimits) -> str:
+    numbers, angles = _numbers(values), _numbers(steer)
     if numbers is None or angles is None:
-        return f"the command holds something that is not a number: {command}"
-    if len(numbers) != len(limits.wheels) or len(angles) != limits.steered:
+        return f"the command holds something that is not a number: {values}, {steer}"
+    if len(numbers) != len(bounds) or len(angles) != limits.steered:
         return (
             f"the command is for {len(numbers)} wheels and {len(angles)} steering angles; "
-            f"this robot has {len(limits.wheels)} and {limits.steered}"
+            f"this robot has {len(bounds)} and {limits.steered}"
         )
     for name, value, bound in zip(limits.wheels, numbers, bounds, strict=True):
         if not math.isfinite(value):
             return f"wheel {name} is commanded {value}; it must be finite"
         if abs(value) > bound * _ROUNDING:
             return f"wheel {name} is commanded {value:.4g} {unit}; its limit is {bound:.4g}"
-    for angle in angles:
-        if not math.isfinite(angle):
-            return f"a steering angle is {angle}; it must be finite"
-    return ""
+    bad = next((angle for angle in angles if not math.isfinite(angle)), None)
+    return "" if bad is None else f"a steering angle is {bad}; it must be finite"
 
 
 def _numbers(values: object) -> list[float] | None:
