@@ -1,0 +1,211 @@
+"""A base: named wheels, the matrices that they make, and the maps between twists and wheels.
+
+`inverse` goes from body to wheels, `forward` from wheels to body (the two names are often swapped elsewhere).
+
+Rows of `jacobian`, in the order of the wheels: a fixed wheel has one row [rad/s per twist]; a steered wheel has two,
+its contact velocity along and across its zero direction [m/s per twist]. A pure swerve base thus has the contact
+map stacked (2n, 3). Least squares is unweighted over those rows, with one exception that makes units agree: in a
+base that mixes both kinds, rows of steered wheels count divided by the mean wheel radius.
+"""
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from holodrive.errors import ChassisError
+from holodrive.kinematics.judge import WARN_CONDITION, Verdict, judge
+from holodrive.kinematics.wheel import Wheel
+from holodrive.types import Array, WheelCommand
+
+if TYPE_CHECKING:
+    from holodrive.robots.spec import Robot
+
+
+class Chassis:
+    """Wheels on one rigid body. Built once, immutable, judged when built.
+
+    Attributes:
+        wheels: (n) in order; every array of wheel values has this order.
+        names: their names.
+        jacobian: (rows, 3), see the module's text.
+        least_squares: (3, rows) the pseudo-inverse that `forward` uses.
+        row: (n,) first row of each wheel.
+        steered: indices of the steered wheels, the order of steering arrays (m,).
+        verdict: rank, condition and characteristic length.
+        warnings: sentences about a poor but usable layout.
+    """
+
+    def __init__(self, wheels: Mapping[str, Wheel] | Sequence[Wheel]) -> None:
+        self.wheels = _named(wheels)
+        self.names = tuple(wheel.name for wheel in self.wheels)
+        blocks = [wheel.rows for wheel in self.wheels]
+        self.row = np.cumsum([0, *(len(block) for block in blocks)])[:-1]
+        self.steered = tuple(i for i, wheel in enumerate(self.wheels) if wheel.steered)
+        self.jacobian = _clean(np.concatenate(blocks))
+        self.row_scale = _row_scale(self.wheels)  # (rows,) brings mixed rows to one unit
+        self.verdict: Verdict = judge(self.wheels, self.jacobian * self.row_scale[:, None])
+        if self.verdict.lost:
+            raise ChassisError(f"{'; '.join(self.verdict.lost)}: {self.verdict.cause}. {_ADVICE}")
+        self.warnings = _warnings(self.verdict)
+        self.least_squares = _clean(np.linalg.pinv(self.jacobian * self.row_scale[:, None]) * self.row_scale)
+        for array in (self.jacobian, self.least_squares, self.row, self.row_scale):
+            array.flags.writeable = False
+
+    @classmethod
+    def of(cls, robot: "Robot") -> "Chassis":
+        """The chassis of a described robot; built once for each."""
+        return _of(robot)
+
+    @property
+    def rank(self) -> int:
+        """Motions that the wheels can tell apart; 3, for a chassis with less is refused."""
+        return self.verdict.rank
+
+    @property
+    def condition(self) -> float:
+        """Condition number of J diag(1, 1, 1/L_c): 1 is perfect, above 10 is poor."""
+        return self.verdict.condition
+
+    @property
+    def characteristic_length(self) -> float:
+        """L_c [m]: mean rim speed per yaw rate."""
+        return self.verdict.length
+
+    @property
+    def redundancy(self) -> int:
+        """Rows beyond the three unknowns; 0 means that the wheels cannot contradict each other."""
+        return len(self.jacobian) - 3
+
+    @cached_property
+    def max_speeds(self) -> Array:
+        """(n,) wheel speed limits [rad/s]."""
+        return np.array([wheel.max_speed for wheel in self.wheels])
+
+    @cached_property
+    def radii(self) -> Array:
+        """(n,) wheel radii [m]."""
+        return np.array([wheel.radius for wheel in self.wheels])
+
+    @cached_property
+    def fixed_rows(self) -> Array:
+        """Rows of the wheels that are not steered."""
+        return np.array([self.row[i] for i in range(len(self.wheels)) if i not in self.steered], dtype=np.intp)
+
+    @cached_property
+    def steered_rows(self) -> Array:
+        """First rows of the steered wheels."""
+        return np.array([self.row[i] for i in self.steered], dtype=np.intp)
+
+    def inverse(self, twist: ArrayLike, centre: ArrayLike = (0.0, 0.0)) -> WheelCommand:
+        """Wheels for a twist: body -> wheels.
+
+        Args:
+            twist: (..., 3) velocity of the point `centre` in `base_link` axes [m/s, m/s, rad/s].
+            centre: (2,) point [m] whose velocity is meant, so that a pure rotation turns about it.
+
+        Returns:
+            speeds (..., n) [rad/s] and steer (..., m) [rad]. A steered wheel gets the plain polar form: speed >= 0,
+            angle in (-pi, pi], no optimisation.
+        """
+        rows = self.wheel_rows(about(twist, centre))
+        if not self.steered:
+            return WheelCommand(rows, np.empty((*rows.shape[:-1], 0)))
+        along, across = rows[..., self.steered_rows], rows[..., self.steered_rows + 1]
+        speeds = rows[..., self.row]
+        index = list(self.steered)
+        speeds[..., index] = np.hypot(along, across) / self.radii[index]
+        return WheelCommand(speeds, np.arctan2(across, along))
+
+    def forward(self, speeds: ArrayLike, steer: ArrayLike | None = None) -> Array:
+        """Twist (..., 3) of the body that fits the wheels best: wheels -> body, least squares.
+
+        Args:
+            speeds: (..., n) [rad/s].
+            steer: (..., m) steering angles [rad]; needed when the base has steered wheels.
+        """
+        return np.asarray(self.rows_of(speeds, steer) @ self.least_squares.T)
+
+    def wheel_rows(self, twist: ArrayLike) -> Array:
+        """J . twist, (..., rows) in the units of the rows."""
+        return np.asarray(np.asarray(twist, dtype=np.float64) @ self.jacobian.T)
+
+    def rows_of(self, speeds: ArrayLike, steer: ArrayLike | None = None) -> Array:
+        """What wheels that turn so say about J . twist: (..., rows)."""
+        speeds = np.asarray(speeds, dtype=np.float64)
+        if speeds.ndim == 0 or speeds.shape[-1] != len(self.wheels):
+            raise ChassisError(f"wheel speeds have shape {speeds.shape}; expected (..., {len(self.wheels)})")
+        if not self.steered:
+            return speeds
+        angles = np.asarray(() if steer is None else steer, dtype=np.float64)
+        if angles.shape[-1] != len(self.steered):
+            raise ChassisError(
+                f"steering angles have shape {angles.shape}; expected (..., {len(self.steered)}), "
+                f"one for each of {', '.join(self.names[i] for i in self.steered)}"
+            )
+        index = list(self.steered)
+        rim = speeds[..., index] * self.radii[index]
+        shape = np.broadcast_shapes(rim.shape, angles.shape)
+        rows = np.empty((*shape[:-1], len(self.jacobian)))
+        rows[..., self.row] = speeds
+        rows[..., self.steered_rows] = rim * np.cos(angles)
+        rows[..., self.steered_rows + 1] = rim * np.sin(angles)
+        return rows
+
+    def __repr__(self) -> str:
+        kinds = ", ".join(f"{wheel.name}: {wheel.kind}" for wheel in self.wheels)
+        return f"Chassis({kinds}; condition {self.condition:.3g})"
+
+
+def about(twist: ArrayLike, centre: ArrayLike) -> Array:
+    """Twist (..., 3) of the base from the velocity of its point `centre` (..., 2) [m]."""
+    twist, centre = np.asarray(twist, dtype=np.float64), np.asarray(centre, dtype=np.float64)
+    omega = twist[..., 2]
+    vx, vy = twist[..., 0] + omega * centre[..., 1], twist[..., 1] - omega * centre[..., 0]
+    return np.stack([vx, vy, np.broadcast_to(omega, vx.shape)], axis=-1)
+
+
+_ADVICE = "Move or turn a wheel, or change a roller angle, so that not all push axes are parallel or meet in one point"
+
+
+@lru_cache(maxsize=64)
+def _of(robot: "Robot") -> Chassis:
+    return Chassis([Wheel.of(spec) for spec in robot.wheels])
+
+
+def _named(wheels: Mapping[str, Wheel] | Sequence[Wheel]) -> tuple[Wheel, ...]:
+    if isinstance(wheels, Mapping):
+        named = tuple(wheel.named(str(name)) for name, wheel in wheels.items())
+    else:
+        named = tuple(wheel if wheel.name else wheel.named(f"wheel{i + 1}") for i, wheel in enumerate(wheels))
+    if not named:
+        raise ChassisError("a chassis without wheels; give at least three fixed wheels or two steered ones")
+    names = [wheel.name for wheel in named]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise ChassisError(f"two wheels are called {twice[0]!r}; every wheel needs a name of its own")
+    return named
+
+
+def _row_scale(wheels: Sequence[Wheel]) -> Array:
+    """1 for every row, but 1 / (mean radius) for steered rows beside fixed ones."""
+    mixed = len({wheel.steered for wheel in wheels}) == 2
+    steered = len(wheels) / sum(wheel.radius for wheel in wheels) if mixed else 1.0
+    scales: list[Any] = [[steered, steered] if wheel.steered else [1.0] for wheel in wheels]
+    return np.concatenate(scales)
+
+
+def _clean(matrix: Array) -> Array:
+    """Entries that are rounding of an exact zero, such as cos(90 deg), become zero."""
+    limit = 4e-16 * np.max(np.abs(matrix), axis=0, keepdims=True)
+    return np.ascontiguousarray(np.where(np.abs(matrix) <= limit, 0.0, matrix))
+
+
+def _warnings(verdict: Verdict) -> tuple[str, ...]:
+    if verdict.condition <= WARN_CONDITION:
+        return ()
+    return (
+        f"condition {verdict.condition:.3g} is above {WARN_CONDITION:g}: some motion needs far faster wheels than "
+        "another, and odometry is as much worse there",
+    )

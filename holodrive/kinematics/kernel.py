@@ -1,0 +1,339 @@
+"""The command step and the forward map for compiled loops: twins of `pipeline.CommandPipeline` and `Chassis.forward`.
+
+Kernels take the robot as one flat float64 vector, made once by `arrays(robot)`: it travels well inside the packed
+parameters of a compiled plug (pass the slice), and one array costs a kernel call far less than ten.
+"""
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numba import njit
+
+from holodrive.kinematics.chassis import Chassis
+from holodrive.kinematics.settings import HOLD_SPEED, HYSTERESIS
+from holodrive.types import Array
+
+if TYPE_CHECKING:
+    from holodrive.robots.spec import Limits, Robot
+
+KinematicsArrays = Array  # the flat vector; its layout follows
+
+# header
+N_WHEELS, N_STEER, N_ROWS = 0, 1, 2
+SPEED, YAW_RATE, ACCEL, YAW_ACCEL = 3, 4, 5, 6  # m/s, rad/s, m/s^2, rad/s^2
+HOLD, BAND = 7, 8  # m/s, rad
+WHEELS = 9  # first wheel block
+# one block for each wheel
+STEER_INDEX = 0  # place in steering arrays, -1 for a fixed wheel
+RADIUS, MAX_SPEED, STEER_RATE = 1, 2, 3  # m, rad/s, rad/s
+RIM = 4  # m/s of rim per unit of its rows
+LOAD = 5  # share of the wheel's limit per unit of its rows
+ROWS = 6  # 2 x 3: rows of the Jacobian; the second is 0 for a fixed wheel
+BACK = 12  # 2 x 3: its columns of the least-squares inverse, each as (vx, vy, omega)
+BLOCK = 18
+
+# memory of a command step; after the angles [rad] come the drive signs (m)
+LAST_TWIST = 0
+STEER = 3
+
+_TIGHT = 1e-12  # a saturated wheel runs between 1 - 2e-12 and 1 of its limit
+_SERIES_TURN = 0.3  # rad in one tick
+
+
+def arrays(robot: "Robot | Chassis", limits: "Limits | None" = None) -> KinematicsArrays:
+    """What the kernels need of a robot (or of a chassis and limits), as one vector."""
+    chassis = robot if isinstance(robot, Chassis) else Chassis.of(robot)
+    if limits is None and not isinstance(robot, Chassis):
+        limits = robot.limits
+    kin = np.zeros(WHEELS + BLOCK * len(chassis.wheels))
+    kin[:WHEELS] = [len(chassis.wheels), len(chassis.steered), len(chassis.jacobian), *([math.inf] * 4), 0.0, 0.0]
+    if limits is not None:
+        kin[SPEED : YAW_ACCEL + 1] = [
+            limits.speed_m_s, limits.yaw_rate_rad_s, limits.accel_m_s2, limits.yaw_accel_rad_s2
+        ]  # fmt: skip
+    kin[HOLD], kin[BAND] = HOLD_SPEED, HYSTERESIS
+    for i, (wheel, row) in enumerate(zip(chassis.wheels, chassis.row, strict=True)):
+        block = kin[WHEELS + BLOCK * i :][:BLOCK]
+        rim, rows = (1.0, 2) if wheel.steered else (wheel.radius, 1)
+        block[STEER_INDEX] = chassis.steered.index(i) if wheel.steered else -1
+        block[RADIUS : LOAD + 1] = [wheel.radius, wheel.max_speed, wheel.steer_rate, rim, rim / wheel.max_rim_speed]
+        block[ROWS : ROWS + 3 * rows] = chassis.jacobian[row : row + rows].ravel()
+        block[BACK : BACK + 3 * rows] = chassis.least_squares[:, row : row + rows].T.ravel()
+    return kin
+
+
+def memory_size(kin: KinematicsArrays) -> int:
+    """How many float64 `command_step` keeps between ticks; zeros are a base at rest with wheels at angle 0."""
+    return STEER + 2 * int(kin[N_STEER])
+
+
+@njit(cache=True)
+def command_step(kin: Array, twist: Array, dt: float, memory: Array, speeds_out: Array, steer_out: Array) -> float:
+    """One tick: limit, accelerate, scale into what the wheels can do, discretise, invert, optimise modules.
+
+    Args:
+        kin: the robot.
+        twist: (3,) wanted [m/s, m/s, rad/s].
+        dt: control period [s].
+        memory: (memory_size,) state; the twist of the tick before in the axes of this one, angles, drive signs.
+        speeds_out: (n,) [rad/s].
+        steer_out: (m,) [rad], not wrapped.
+
+    Returns:
+        How much limits and wheels scaled the command, 1 when not at all. NaN for a twist that is not finite:
+        then the wheels stand still and the modules keep their angles.
+    """
+    m = int(kin[N_STEER])
+    if not math.isfinite(twist[0] + twist[1] + twist[2]):
+        for i in range(int(kin[N_WHEELS])):
+            speeds_out[i] = 0.0
+        for j in range(m):
+            steer_out[j] = memory[STEER + j]
+        memory[0] = memory[1] = memory[2] = 0.0
+        return math.nan
+    scale = limit_scale(kin, twist[0], twist[1], twist[2], dt)
+    vx, vy, omega = accelerate(kin, memory, scale * twist[0], scale * twist[1], scale * twist[2], dt)
+    share = fit(kin, vx, vy, omega, dt, speeds_out, steer_out)
+    vx, vy, omega = share * vx, share * vy, share * omega
+    c, s = math.cos(omega * dt), math.sin(omega * dt)
+    memory[0], memory[1], memory[2] = c * vx + s * vy, c * vy - s * vx, omega
+    if m > 0:
+        drive_modules(kin, dt, memory, speeds_out, steer_out)
+    return scale * share
+
+
+@njit(cache=True)
+def limit_scale(kin: Array, vx: float, vy: float, omega: float, dt: float) -> float:
+    """Common factor that brings a twist inside the robot's own limits and under half a turn a tick."""
+    scale = 1.0
+    speed = math.sqrt(vx * vx + vy * vy)
+    if speed > kin[SPEED]:
+        scale = kin[SPEED] / speed
+    turn = min(kin[YAW_RATE], math.pi / dt)
+    if abs(omega) * scale > turn:
+        scale = turn / abs(omega)
+    return scale
+
+
+@njit(cache=True)
+def accelerate(kin: Array, memory: Array, vx: float, vy: float, omega: float, dt: float) -> tuple[float, float, float]:
+    """As far from the last twist towards the wanted one as the acceleration limits let go, all parts alike."""
+    dx, dy, dw = vx - memory[0], vy - memory[1], omega - memory[2]
+    share = 1.0
+    change = math.sqrt(dx * dx + dy * dy)
+    if change > kin[ACCEL] * dt:
+        share = kin[ACCEL] * dt / change
+    if abs(dw) * share > kin[YAW_ACCEL] * dt:
+        share = kin[YAW_ACCEL] * dt / abs(dw)
+    if share == 1.0:
+        return vx, vy, omega
+    return memory[0] + share * dx, memory[1] + share * dy, memory[2] + share * dw
+
+
+@njit(cache=True)
+def fit(kin: Array, vx: float, vy: float, omega: float, dt: float, first: Array, second: Array) -> float:
+    """Largest factor at most 1 for which the discretised twist is inside every wheel's limit; writes the rows.
+
+    The turn inside a tick bends the discretised twist, so load(factor) is not quite a straight line; a secant on
+    load / factor closes in on load = 1. Where that fails, halving finds a factor that surely fits.
+    """
+    load = discrete_rows(kin, vx, vy, omega, dt, 1.0, first, second)
+    if load <= 1.0:
+        return 1.0
+    old, old_load = 1.0, load
+    new = (1.0 - _TIGHT) / load
+    for _ in range(12):
+        load = discrete_rows(kin, vx, vy, omega, dt, new, first, second)
+        if 1.0 - 2.0 * _TIGHT <= load <= 1.0:
+            return new
+        old, old_load, new = new, load, next_factor(old, old_load, new, load)
+    return halve(kin, vx, vy, omega, dt, first, second)
+
+
+@njit(cache=True)
+def next_factor(old: float, old_load: float, new: float, load: float) -> float:
+    """Where factor * (straight line through load / factor at the two last factors) is 1."""
+    slope = (load / new - old_load / old) / (new - old) if new != old else 0.0
+    base = load / new - slope * new
+    root = base * base + 4.0 * slope * (1.0 - _TIGHT)
+    if root < 0.0:
+        return new / load
+    return 2.0 * (1.0 - _TIGHT) / (base + math.sqrt(root))
+
+
+@njit(cache=True)
+def halve(kin: Array, vx: float, vy: float, omega: float, dt: float, first: Array, second: Array) -> float:
+    """A factor that fits, by halving between 0 (fits) and 1 (does not)."""
+    low, high = 0.0, 1.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if discrete_rows(kin, vx, vy, omega, dt, middle, first, second) <= 1.0:
+            low = middle
+        else:
+            high = middle
+    discrete_rows(kin, vx, vy, omega, dt, low, first, second)
+    return low
+
+
+@njit(cache=True)
+def discrete_rows(
+    kin: Array, vx: float, vy: float, omega: float, dt: float, scale: float, first: Array, second: Array
+) -> float:
+    """J . discretise(scale * twist): wheel speeds into `first`, or the module's velocity into `first`, `second`.
+
+    Returns:
+        The largest wheel speed relative to its limit.
+    """
+    vx, vy, omega = scale * vx, scale * vy, scale * omega
+    half = 0.5 * omega * dt
+    k = half_cotangent(half)
+    vx, vy = k * vx + half * vy, k * vy - half * vx
+    worst = 0.0
+    for i in range(int(kin[N_WHEELS])):
+        b = WHEELS + BLOCK * i
+        value = row(kin, b + ROWS, vx, vy, omega)
+        first[i] = value
+        j = int(kin[b + STEER_INDEX])
+        if j < 0:
+            load = abs(value) * kin[b + LOAD]
+        else:
+            across = row(kin, b + ROWS + 3, vx, vy, omega)
+            second[j] = across
+            load = math.sqrt(value * value + across * across) * kin[b + LOAD]
+        worst = max(worst, load)
+    return worst
+
+
+@njit(cache=True)
+def row(kin: Array, at: int, vx: float, vy: float, omega: float) -> float:
+    """One row of J . twist."""
+    return float(kin[at] * vx + kin[at + 1] * vy + kin[at + 2] * omega)
+
+
+@njit(cache=True)
+def half_cotangent(half: float) -> float:
+    """h cot(h): how much a straight line shrinks to the chord's twist; 1 without turning."""
+    if abs(half) > 0.5 * _SERIES_TURN:
+        return half * math.cos(half) / math.sin(half)
+    q = 4.0 * half * half
+    return 1.0 - q * (1.0 / 12.0 + q * (1.0 / 720.0 + q * (1.0 / 30240.0 + q * (1.0 / 1209600.0 + q / 47900160.0))))
+
+
+@njit(cache=True)
+def drive_modules(kin: Array, dt: float, memory: Array, first: Array, second: Array) -> None:
+    """Steered wheels from contact velocities (`first`, `second`) to speeds and angles, see `swerve.drive`."""
+    signs = STEER + int(kin[N_STEER])
+    flip_together = joint_flip(kin, memory, first, second)
+    for i in range(int(kin[N_WHEELS])):
+        b = WHEELS + BLOCK * i
+        j = int(kin[b + STEER_INDEX])
+        if j < 0:
+            continue
+        now, along, across = memory[STEER + j], first[i], second[j]
+        speed = math.sqrt(along * along + across * across)
+        turn = wrap(math.atan2(across, along) - now)
+        if speed < kin[HOLD]:
+            first[i], second[j], memory[signs + j] = speed * math.cos(turn) / kin[b + RADIUS], now, 0.0
+            continue
+        if flips(turn, memory[signs + j], flip_together, kin[BAND]):
+            turn += -math.pi if turn > 0.0 else math.pi
+            speed = -speed
+        memory[signs + j] = -1.0 if speed < 0.0 else 1.0
+        reach = kin[b + STEER_RATE] * dt
+        if abs(turn) > reach:
+            step = reach if turn > 0.0 else -reach
+            speed *= math.cos(turn - step)
+            turn = step
+        first[i], second[j], memory[STEER + j] = speed / kin[b + RADIUS], now + turn, now + turn
+
+
+@njit(cache=True)
+def flips(turn: float, sign: float, flip_together: bool, band: float) -> bool:
+    """Whether a module drives backwards: strictly above 90 degrees, later or sooner by what it did before."""
+    error = abs(turn) - 0.5 * math.pi
+    if sign == 0.0 and abs(error) <= band:
+        return flip_together
+    return error > sign * band
+
+
+@njit(cache=True)
+def joint_flip(kin: Array, memory: Array, first: Array, second: Array) -> bool:
+    """Modules at rest that stand about square to their goal flip all or none: whichever turns less in sum."""
+    m = int(kin[N_STEER])
+    total = 0.0
+    for i in range(int(kin[N_WHEELS])):
+        j = int(kin[WHEELS + BLOCK * i + STEER_INDEX])
+        if j < 0 or memory[STEER + m + j] != 0.0:
+            continue
+        along, across = first[i], second[j]
+        if along * along + across * across < kin[HOLD] * kin[HOLD]:
+            continue
+        error = abs(wrap(math.atan2(across, along) - memory[STEER + j])) - 0.5 * math.pi
+        if abs(error) <= kin[BAND]:
+            total += error
+    return total > 0.0
+
+
+@njit(cache=True)
+def wrap(angle: float) -> float:
+    """Angle [rad] in [-pi, pi]."""
+    return float(angle - 2.0 * math.pi * np.round(angle / (2.0 * math.pi)))
+
+
+@njit(cache=True)
+def saturate_wheels(kin: Array, speeds: Array) -> float:
+    """Scale wheel speeds (n,) in place by one common factor into their limits; give the factor."""
+    n = int(kin[N_WHEELS])
+    worst = 1.0
+    for i in range(n):
+        worst = max(worst, abs(speeds[i]) / kin[WHEELS + BLOCK * i + MAX_SPEED])
+    if worst > 1.0:
+        for i in range(n):
+            speeds[i] /= worst
+    return 1.0 / worst
+
+
+@njit(cache=True)
+def forward_step(kin: Array, speeds: Array, steer: Array, twist_out: Array) -> float:
+    """Least-squares twist (3,) of wheel speeds (n,) [rad/s] and steering angles (m,) [rad].
+
+    Returns:
+        Slip: root mean square over the rows of what the wheels contradict each other in [m/s of rim]; 0 for three
+        rows, which cannot contradict each other.
+    """
+    vx = vy = omega = 0.0
+    for i in range(int(kin[N_WHEELS])):
+        b = WHEELS + BLOCK * i
+        j = int(kin[b + STEER_INDEX])
+        along = speeds[i]
+        if j >= 0:
+            rim = along * kin[b + RADIUS]
+            along, across = rim * math.cos(steer[j]), rim * math.sin(steer[j])
+            vx += kin[b + BACK + 3] * across
+            vy += kin[b + BACK + 4] * across
+            omega += kin[b + BACK + 5] * across
+        vx += kin[b + BACK] * along
+        vy += kin[b + BACK + 1] * along
+        omega += kin[b + BACK + 2] * along
+    twist_out[0], twist_out[1], twist_out[2] = vx, vy, omega
+    if kin[N_ROWS] == 3.0:
+        return 0.0
+    return slip(kin, speeds, steer, vx, vy, omega)
+
+
+@njit(cache=True)
+def slip(kin: Array, speeds: Array, steer: Array, vx: float, vy: float, omega: float) -> float:
+    """Root mean square over the rows of measured minus explained wheel motion [m/s of rim]."""
+    total = 0.0
+    for i in range(int(kin[N_WHEELS])):
+        b = WHEELS + BLOCK * i
+        j = int(kin[b + STEER_INDEX])
+        along = row(kin, b + ROWS, vx, vy, omega)
+        if j < 0:
+            total += ((speeds[i] - along) * kin[b + RIM]) ** 2
+        else:
+            rim = speeds[i] * kin[b + RADIUS]
+            across = row(kin, b + ROWS + 3, vx, vy, omega)
+            total += (rim * math.cos(steer[j]) - along) ** 2 + (rim * math.sin(steer[j]) - across) ** 2
+    return math.sqrt(total / kin[N_ROWS])

@@ -1,0 +1,6 @@
+"""Numbers of the command pipeline that no robot file sets."""
+
+import math
+
+HOLD_SPEED = 1e-3  # m/s: a module whose contact is slower keeps its angle
+HYSTERESIS = math.radians(5.0)  # a module changes its mind about driving backwards this far from 90 degrees
