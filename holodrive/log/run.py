@@ -48,6 +48,7 @@ class Run:
         scans, events: as they came.
         metrics: name -> number, see `holodrive.metrics`.
         path: of the log file, when there is one.
+        damage: one line about what of the file could not be read; empty for a whole one.
     """
 
     robot: Robot
@@ -70,3 +71,4 @@ class Run:
     events: tuple[Event, ...] = ()
     metrics: dict[str, float] = field(default_factory=dict)
     path: Path | None = None
+    damage: str = ""

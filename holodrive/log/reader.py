@@ -1,0 +1,203 @@
+"""From a log file to a `Run`, with all that a damaged file still holds."""
+
+import json
+import logging
+import math
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from holodrive import robots, worlds
+from holodrive.errors import LogError
+from holodrive.log import blocks
+from holodrive.log.blocks import CHANNELS, tick_template
+from holodrive.log.cdr import ENCAPSULATION
+from holodrive.log.messages import decode_event, decode_laser_scan, decode_scan, decode_text
+from holodrive.log.rows import Columns, columns_of, run_of_rows
+from holodrive.log.run import Run
+from holodrive.log.salvage import Salvage, salvage
+from holodrive.robots.spec import Robot
+from holodrive.types import Array, Event, Pose, Scan
+from holodrive.worlds.spec import World
+
+T = TypeVar("T")
+_log = logging.getLogger(__name__)
+MAGIC_START = b"\x89MCAP"
+
+
+@dataclass(frozen=True)
+class Content:
+    """What a log file of ours holds.
+
+    Attributes:
+        robot, world, settings: of the run.
+        rows: (T, size) control ticks, see `holodrive.log.rows`.
+        damage: one line, empty for a whole file.
+    """
+
+    robot: Robot
+    world: World | None
+    settings: Mapping[str, Any]
+    rows: Array
+    scans: tuple[Scan, ...]
+    events: tuple[Event, ...]
+    metrics: Mapping[str, float]
+    damage: str
+
+
+def read(path: str | Path) -> Run:
+    """The run that a log file holds, as far as it can be read; `run.damage` tells what could not.
+
+    Raises:
+        LogError: there is no such file, it is no log of ours, or its description of the robot is lost.
+    """
+    path = Path(path)
+    content = read_content(path)
+    if content.damage:
+        _log.warning("%s", content.damage)
+    return run_of_rows(
+        content.rows,
+        content.robot,
+        content.world,
+        content.settings,
+        scans=content.scans,
+        events=content.events,
+        metrics=content.metrics,
+        path=path,
+        damage=content.damage,
+    )
+
+
+def read_content(path: Path) -> Content:
+    """All that a log file of ours holds; see `read`."""
+    data = read_bytes(path)
+    if not data:
+        raise LogError(f"{path}: the file is empty; a recording killed in its first moment leaves one, record again")
+    found = salvage(data)
+    by_topic = _by_topic(found)
+    unreadable = 0
+    description = _description(path, by_topic.get(blocks.DESCRIPTION.topic, []), found)
+    robot = robots.parse(description["robot"], f"{path}:robot.toml")
+    world = worlds.parse(description["world"], f"{path}:world.toml") if description["world"] else None
+    rows, bad = _rows(by_topic.get(blocks.TICK.topic, []), columns_of(robot))
+    unreadable += bad
+    scans, bad = _scans(by_topic, Pose(0.0, 0.0, 0.0) if robot.lidar is None else robot.lidar.mount)
+    unreadable += bad
+    events, bad = _decode_all(by_topic.get(blocks.EVENT.topic, []), decode_event)
+    unreadable += bad
+    return Content(
+        robot=robot,
+        world=world,
+        settings=_json_object(description["settings"]),
+        rows=rows,
+        scans=scans,
+        events=tuple(events),
+        metrics=_metrics(by_topic.get(blocks.METRICS.topic, [])),
+        damage=_damage(path, found, unreadable, rows),
+    )
+
+
+def read_bytes(path: Path) -> bytes:
+    """The bytes of a file, or one line about why not."""
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise LogError(f"cannot read {path}: {os.strerror(error.errno or 0)}") from None
+
+
+def _by_topic(found: Salvage) -> dict[str, list[bytes]]:
+    """Messages of each topic. Where a channel's record is lost, its number tells: it is the same in all our files."""
+    topics = {channel.number: channel.topic for channel in CHANNELS} | found.topics
+    out: dict[str, list[bytes]] = {}
+    for channel, _, data in found.messages:
+        out.setdefault(topics.get(channel, ""), []).append(data)
+    return out
+
+
+def _description(path: Path, messages: list[bytes], found: Salvage) -> dict[str, str]:
+    """The first description that can be read; the recorder repeats it."""
+    for data in messages:
+        try:
+            description = json.loads(decode_text(data))
+            return {key: str(description[key]) for key in ("name", "robot", "world", "settings")}
+        except (LogError, ValueError, KeyError, TypeError):
+            continue
+    if found.missing:
+        raise LogError(f"{path}: its chunks are packed with {found.missing}; rewrite it with zstd (mcap compress)")
+    if found.chunks and found.topics and not any(topic.startswith("/holodrive/") for topic in found.topics.values()):
+        names = ", ".join(sorted(found.topics.values())[:5])
+        raise LogError(f"{path}: an MCAP file, but not of holodrive (topics: {names}); export it as CSV to replay it")
+    raise LogError(f"{path}: no readable description of the robot ({_count(found)}); nothing can be told without it")
+
+
+def _rows(messages: list[bytes], at: Columns) -> tuple[Array, int]:
+    """Ticks (T, size), and how many messages have another form than this robot's."""
+    template = tick_template(at)
+    size = len(template.data)
+    good = [data for data in messages if len(data) == size and data[:4] == ENCAPSULATION]
+    rows = np.empty((len(good), at.size))
+    raw = np.frombuffer(b"".join(good), dtype=np.uint8).reshape(len(good), size)
+    start = 0
+    for hole in template.holes:
+        column = raw[:, hole.offset : hole.offset + 8 * hole.count]
+        rows[:, start : start + hole.count] = np.ascontiguousarray(column).view("<f8")
+        start += hole.count
+    return rows, len(messages) - len(good)
+
+
+def _scans(by_topic: Mapping[str, list[bytes]], mount: Pose) -> tuple[tuple[Scan, ...], int]:
+    laser, bad = _decode_all(by_topic.get(blocks.LASER_SCAN.topic, []), lambda data: decode_laser_scan(data, mount))
+    own, bad_own = _decode_all(by_topic.get(blocks.SCAN.topic, []), decode_scan)
+    scans = sorted([*laser, *own], key=lambda scan: scan.stamp) if own else laser
+    return tuple(scans), bad + bad_own
+
+
+def _decode_all(messages: list[bytes], decode: Callable[[bytes], T]) -> tuple[list[T], int]:
+    out: list[T] = []
+    bad = 0
+    for data in messages:
+        try:
+            out.append(decode(data))
+        except (LogError, ValueError, IndexError):
+            bad += 1
+    return out, bad
+
+
+def _metrics(messages: list[bytes]) -> dict[str, float]:
+    for data in reversed(messages):
+        values = _json_object(decode_text(data))
+        return {str(name): float(value) for name, value in values.items() if isinstance(value, int | float)}
+    return {}
+
+
+def _json_object(text: str) -> dict[str, Any]:
+    try:
+        value = json.loads(text)
+    except ValueError:
+        return {}
+    return value if isinstance(value, dict) else {}
+
+
+def _damage(path: Path, found: Salvage, unreadable: int, rows: Array) -> str:
+    """One line about what is not there, empty when all is."""
+    faults = []
+    if found.lost_chunks:
+        faults.append(f"{found.lost_chunks} of {found.chunks + found.lost_chunks} chunks are damaged and left out")
+    if found.lost_bytes:
+        faults.append(f"{found.lost_bytes} bytes make no sense")
+    if unreadable:
+        faults.append(f"{unreadable} messages make no sense")
+    if not found.finished:
+        last = rows[-1, 0] if len(rows) else math.nan
+        faults.append(
+            "the recording was not closed" + ("" if math.isnan(last) else f", its last tick is at {last:.3f} s")
+        )
+    return f"{path}: {'; '.join(faults)}" if faults else ""
+
+
+def _count(found: Salvage) -> str:
+    return f"{found.chunks} whole chunks, {found.lost_chunks} damaged, {found.lost_bytes} bytes without sense"
