@@ -99,10 +99,11 @@ def pose_of(text: str, what: str) -> tuple[float, ...]:
     parts = [part.strip() for part in text.split(",")]
     if len(parts) not in (2, 3):
         raise InputError(f"{what} wants x,y or x,y,heading, such as 0.5,4.5 or 1,2,90deg; found {text!r}")
-    return tuple(_quantity(part, what, "angle" if i == 2 else "length") for i, part in enumerate(parts))
+    return tuple(quantity_of(part, what, "angle" if i == 2 else "length") for i, part in enumerate(parts))
 
 
-def _quantity(text: str, what: str, dimension: str) -> float:
+def quantity_of(text: str, what: str, dimension: str) -> float:
+    """A plain SI number or text with a unit, as SI."""
     from holodrive.files import units
 
     value = value_of(text)

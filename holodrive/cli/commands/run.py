@@ -1,0 +1,155 @@
+"""`holodrive run`."""
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from holodrive.cli.options import (
+    out_option,
+    plant_option,
+    pose_of,
+    quantity_of,
+    robot_argument,
+    seed_option,
+    set_option,
+    split_settings,
+    verb,
+    world_option,
+)
+from holodrive.cli.output import Output
+from holodrive.cli.words import outcome, robot_line, world_line
+from holodrive.errors import InputError
+
+if TYPE_CHECKING:
+    from holodrive.log.run import Run
+    from holodrive.references import Table
+    from holodrive.sim import SimBase
+
+PATHS = ("circle", "infinity", "eight")
+KEYS_DURATION_S = 3600.0
+
+
+@verb(
+    "run",
+    [
+        "hybrid3 -w course_fixed --via 0.5,0.5 --via 1,1.5 --via 0.5,4.5 -o run.mcap",
+        "mecanum4 --path infinity --size 150mm --speed '20 mm/s' --seed 1 --report run.html",
+    ],
+)
+@robot_argument
+@world_option
+@click.option("-c", "--controller", default="go_to_pose", show_default=True, help="See holodrive list controllers.")
+@click.option("--goal", metavar="X,Y[,HEADING]", help="Where to go; the world's goal when not given.")
+@click.option(
+    "--via", multiple=True, metavar="X,Y[,HEADING]", help="A way point; may be repeated, the last is the goal."
+)
+@click.option("--path", "shape", type=click.Choice(PATHS), help="A path to follow from the start.")
+@click.option("--size", default="0.5 m", show_default=True, help="Radius or half width of the path.")
+@click.option("--speed", default="0.1 m/s", show_default=True, help="Along the path.")
+@click.option("--keys", is_flag=True, help="Drive by keyboard in this terminal.")
+@click.option("--start", metavar="X,Y[,HEADING]", help="Where to start; the world's start when not given.")
+@click.option("--duration", metavar="TIME", help="At most so long on the robot's clock: 30 or '2 min'.")
+@click.option("--real-time", is_flag=True, help="Keep to the wall clock.")
+@plant_option
+@seed_option
+@set_option
+@click.option("--report", "report_path", type=click.Path(), help="Write a one-file HTML report.")
+@out_option("Write a log (MCAP).")
+def command(out: Output, **options: Any) -> None:
+    """Drive ROBOT (a name or a file) in a world and say how it went."""
+    import holodrive as hd
+
+    overrides, params = split_settings(options["settings"])
+    robot = hd.load(options["robot"], overrides)
+    start = pose_of(options["start"], "--start") if options["start"] else None
+    if start is not None and len(start) == 2:
+        start = (*start, 0.0)
+    base = hd.simulate(robot, options["world"], plant=options["plant"], seed=options["seed"], start=start)
+    if not out.json:
+        out.line("robot", robot_line(robot))
+        out.line("world", world_line(base.world))
+    began = time.perf_counter()
+    run = _by_keys(out, base, options) if options["keys"] else _by_controller(out, base, params, options)
+    wall = time.perf_counter() - began
+    if options["report_path"]:
+        hd.report(run).save(options["report_path"])
+    _say(out, run, wall, options)
+
+
+def _by_controller(out: Output, base: "SimBase", params: dict[str, Any], options: dict[str, Any]) -> "Run":
+    import holodrive as hd
+
+    goals = _goals(base, options)
+    duration = quantity_of(options["duration"], "--duration", "time") if options["duration"] else None
+    trajectory = goals.get("trajectory")
+    length = duration or (trajectory.duration_s + 2.0 if trajectory else 60.0)
+    with out.progress("run", length, "s simulated") as update:
+        return hd.drive(
+            base,
+            options["controller"],
+            **goals,
+            params=params or None,
+            duration_s=duration,
+            log=options["path"],
+            real_time=options["real_time"],
+            progress=update,
+        )
+
+
+def _goals(base: "SimBase", options: dict[str, Any]) -> dict[str, Any]:
+    asked = [name for name in ("goal", "via", "shape") if options[name]]
+    if len(asked) > 1:
+        raise InputError("a run has one reference: --goal, --via or --path")
+    if options["goal"]:
+        return {"goal": pose_of(options["goal"], "--goal")}
+    if options["via"]:
+        points = [pose_of(text, "--via") for text in options["via"]]
+        if len({len(point) for point in points}) > 1:
+            raise InputError("--via: give all way points a heading or none")
+        return {"waypoints": points}
+    return {"trajectory": _trajectory(base, options)} if options["shape"] else {}
+
+
+def _trajectory(base: "SimBase", options: dict[str, Any]) -> "Table":
+    from holodrive import planning
+
+    size = quantity_of(options["size"], "--size", "length")
+    x, y, theta = base.truth
+    path = (
+        planning.circle(size, (x - size, y))
+        if options["shape"] == "circle"
+        else planning.lemniscate(size, (x, y), upright=options["shape"] == "eight")
+    )
+    return planning.follow(path, quantity_of(options["speed"], "--speed", "speed"), heading_rad=theta)
+
+
+def _by_keys(out: Output, base: "SimBase", options: dict[str, Any]) -> "Run":
+    import holodrive as hd
+    from holodrive.runtime import KeyTeleop, TerminalKeys
+    from holodrive.runtime.teleop import HELP
+
+    with TerminalKeys() as keys:
+        out.note(HELP)
+        duration = quantity_of(options["duration"], "--duration", "time") if options["duration"] else KEYS_DURATION_S
+        return hd.drive(
+            base, KeyTeleop(keys), goal=tuple(base.truth), duration_s=duration, log=options["path"], real_time=True
+        )
+
+
+def _say(out: Output, run: "Run", wall_s: float, options: dict[str, Any]) -> None:
+    simulated = float(run.time[-1]) if len(run.time) else 0.0
+    path, report = options["path"], options["report_path"]
+    if out.json:
+        out.data({"settings": run.settings, "metrics": run.metrics, "wall_s": wall_s, "log": path, "report": report})
+    else:
+        kind = f"{run.settings['controller']}, {options['plant']}, seed {options['seed']}"
+        out.line("run", f"{kind}: {simulated:.2f} s simulated, {simulated / wall_s:.0f}x real time")
+        out.line("result", outcome(run))
+        if path:
+            out.line("log", f"{path} ({Path(path).stat().st_size / 1e6:.1f} MB, id {run.settings['id']})")
+        if report:
+            out.line("report", report)
+    again = f"holodrive replay {path} --rerun" if path else f"holodrive run {options['robot']} ... -o run.mcap"
+    out.next(again)

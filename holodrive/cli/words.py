@@ -1,0 +1,42 @@
+"""Robots, worlds and outcomes in one line each."""
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from holodrive.log.run import Run
+    from holodrive.robots.spec import Robot
+    from holodrive.worlds.spec import World
+
+
+def robot_line(robot: "Robot") -> str:
+    """`hybrid3   1 omni + 2 mecanum, condition 1.9`."""
+    from holodrive.kinematics import Chassis
+
+    kinds = Counter(wheel.kind for wheel in robot.wheels)
+    wheels = " + ".join(f"{count} {kind}" for kind, count in kinds.items())
+    return f"{robot.name}   {wheels}, condition {Chassis.of(robot).condition:.2f}"
+
+
+def world_line(world: "World | None") -> str:
+    """`course   3.00 x 4.50 m, 4 obstacles`."""
+    if world is None:
+        return "unknown"
+    size = f"{world.size[0]:.2f} x {world.size[1]:.2f} m" if world.size else "open floor"
+    count = len(world.circles) + len(world.segments) + len(world.boxes) + len(world.movers)
+    return f"{world.name}   {size}, {count} obstacle{'s' * (count != 1)}"
+
+
+def outcome(run: "Run") -> str:
+    """How a run ended, with the figures that people ask for first."""
+    m = run.metrics
+    parts = [f"{run.settings.get('ended', 'ended')} after {m.get('duration_s', run.time[-1]):.2f} s"]
+    for key, text in (
+        ("path_length_m", "path {:.2f} m"),
+        ("min_clearance_m", "nearest obstacle {:.2f} m"),
+        ("collisions", "collisions {:.0f}"),
+        ("final_error_m", "off the goal by {:.3f} m"),
+    ):
+        if key in m and abs(m[key]) < float("inf"):
+            parts.append(text.format(m[key]))
+    return "   ".join(parts)
