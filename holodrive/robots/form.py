@@ -1,0 +1,277 @@
+"""The tables of a robot file, a motor file and a sensor file, as pydantic forms.
+
+Descriptions are what an editor shows, what a fault about a missing key says, and the words of the reference.
+"""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, GetJsonSchemaHandler, WithJsonSchema, model_validator
+from pydantic_core import CoreSchema
+
+from holodrive.files.edge import Angle, Coordinate, Distance, Form, Quantity, Ratio, custom
+
+Radius = Annotated[float, Quantity("length", 1e-4, 2.0)]
+AngularSpeed = Annotated[float, Quantity("angular speed", 0.0, 1e5, above_low=True)]
+Seconds = Annotated[float, Quantity("time", 0.0, 100.0)]
+
+
+class At(Form):
+    """A place in `base_link`: x and y, or distance and bearing."""
+
+    x: Coordinate | None = Field(default=None, description="ahead of the robot's centre")
+    y: Coordinate | None = Field(default=None, description="to the left of the robot's centre")
+    distance: Distance | None = Field(default=None, description="from the robot's centre")
+    bearing: Angle | None = Field(default=None, description="counter-clockwise from straight ahead")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_way(cls, table: Any) -> Any:
+        if isinstance(table, dict):
+            keys = set(table) & {"x", "y", "distance", "bearing"}
+            if keys not in ({"x", "y"}, {"distance", "bearing"}):
+                written = ", ".join(sorted(keys)) or "none of them"
+                raise custom(f"a place is either {{ x, y }} or {{ distance, bearing }}; found {written}")
+        return table
+
+
+class Mount(Form):
+    """Where a sensor sits in `base_link`, and which way its x axis looks."""
+
+    x: Coordinate | None = Field(default=None, description="ahead of the robot's centre")
+    y: Coordinate | None = Field(default=None, description="to the left of the robot's centre")
+    distance: Distance | None = Field(default=None, description="from the robot's centre")
+    bearing: Angle | None = Field(default=None, description="counter-clockwise from straight ahead")
+    yaw: Angle = Field(default=0.0, description="direction of the sensor's x axis")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_way(cls, table: Any) -> Any:
+        if isinstance(table, dict):
+            keys = set(table) & {"x", "y", "distance", "bearing"}
+            if keys and keys not in ({"x", "y"}, {"distance", "bearing"}):
+                raise custom(
+                    f"a place is either {{ x, y }} or {{ distance, bearing }}; found {', '.join(sorted(keys))}"
+                )
+        return table
+
+
+class MotorForm(Form):
+    """A gearmotor. Values are behind the gear unless `shaft = "motor"`."""
+
+    model: str | None = Field(
+        default=None, description="entry of the motor library that gives what is not written here"
+    )
+    name: str = Field(default="", description="name of the motor, for people")
+    title: str = Field(default="", description="one line for people")
+    source: str = Field(default="", description="where the numbers come from")
+    kind: Literal["dc", "bldc"] = Field(description='"dc" (brushed) or "bldc" (electronically commutated)')
+    shaft: Literal["output", "motor"] = Field(
+        default="output", description="the shaft that the other values are seen from: behind the gear or before it"
+    )
+    gear: Annotated[float, Quantity("number", 0.0, 1e5, above_low=True)] = Field(default=1.0, description="reduction")
+    voltage: Annotated[float, Quantity("voltage", 0.0, 1e4, above_low=True)] = Field(description="nominal supply")
+    no_load_speed: AngularSpeed = Field(description="speed at nominal voltage, full duty and no load")
+    back_emf: Annotated[float, Quantity("motor constant", 0.0, 1e4, above_low=True)] = Field(
+        description="volts per speed of the shaft, the same number as torque per ampere before losses"
+    )
+    resistance: Annotated[float, Quantity("resistance", 0.0, 1e4, above_low=True)] = Field(description="terminal")
+    inductance: Annotated[float, Quantity("inductance", 0.0, 100.0)] = Field(default=0.0, description="terminal")
+    inertia: Annotated[float, Quantity("inertia", 0.0, 1e3)] = Field(
+        description="of the rotor and all that turns with it"
+    )
+    efficiency: Annotated[float, Quantity("number", 0.0, 1.0, above_low=True)] = Field(
+        default=1.0, description="torque that arrives behind the gear, as a part of back_emf times current"
+    )
+    coulomb_friction: Annotated[float, Quantity("torque", 0.0, 1e4)] = Field(
+        default=0.0, description="friction that is even"
+    )
+    viscous_friction: Annotated[float, Quantity("viscous friction", 0.0, 1e4)] = Field(
+        default=0.0, description="friction that grows with speed"
+    )
+    current_limit: Annotated[float, Quantity("current", 0.0, 1e4, above_low=True)] | None = Field(
+        default=None, description="of the driver; without it there is no limit"
+    )
+    lag: Seconds = Field(default=0.05, description="time constant with which the simple plant's wheel speed follows")
+
+
+class EncoderForm(Form):
+    """An incremental encoder; what it counts in one turn of the wheel, behind all decoding and the gear."""
+
+    model: str | None = Field(
+        default=None, description="entry of the sensor library that gives what is not written here"
+    )
+    name: str = Field(default="", description="name of the encoder, for people")
+    title: str = Field(default="", description="one line for people")
+    source: str = Field(default="", description="where the numbers come from")
+    counts_per_turn: Annotated[float, Quantity("number", 1.0, 1e9)] = Field(description="counts in one wheel turn")
+
+
+class SteeringForm(Form):
+    """The steering servo of a swerve wheel."""
+
+    rate: AngularSpeed = Field(description="fastest steering")
+    lag: Seconds = Field(description="time constant with which the angle follows inside that rate")
+
+
+class _ByName:
+    """Annotation of a key that holds a library name or a table."""
+
+    def __init__(self, form: str, library: str) -> None:
+        self.form, self.library = form, library
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"anyOf": [{"type": "string"}, {"$ref": f"#/$defs/{self.form}"}], "x-library": self.library}
+
+
+class WheelForm(Form):
+    """One wheel. What is the same for all wheels may stand in [defaults.wheel]."""
+
+    kind: Literal["omni", "mecanum", "swerve"] = Field(description="omni, mecanum or swerve")
+    at: At = Field(description='contact point, such as { x = "20 cm", y = "15 cm" }')
+    yaw: Angle = Field(default=0.0, description="direction in which positive speed drives; a swerve wheel's zero")
+    roller: Angle = Field(
+        default=0.0,
+        description="axis of the roller on the ground, from the rolling direction (45 deg or -45 deg as a rule)",
+    )
+    radius: Radius = Field(description='a length such as "51 mm"')
+    width: Annotated[float, Quantity("length", 1e-4, 2.0)] = Field(default=0.03, description="of the wheel")
+    motor: Annotated[Any, _ByName("MotorForm", "motors")] = Field(description="a name of the motor library or a table")
+    encoder: Annotated[Any, _ByName("EncoderForm", "encoders")] = Field(
+        default=None, description="a name of the sensor library or a table; without it the speed is not measured"
+    )
+    steering: SteeringForm | None = Field(default=None, description='{ rate = "6 rad/s", lag = "50 ms" }')
+    inverted: bool = Field(default=False, description="the hardware turns and counts the other way")
+    max_speed: Annotated[Any, WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string"}]})] = Field(
+        default=None,
+        description='limit of the wheel, "20 rpm" or "0.1 m/s" of rim; without it the motor\'s no-load speed',
+    )
+
+
+class RobotForm(Form):
+    """The base as a whole."""
+
+    name: str = Field(description="a short name")
+    title: str = Field(default="", description="one line for people")
+    source: str = Field(default="", description="where the numbers come from")
+    mass: Annotated[float, Quantity("mass", 1e-6, 1e6)] = Field(description='of everything, such as "3.26 kg"')
+    inertia: Annotated[float, Quantity("inertia", 1e-12, 1e9)] | None = Field(
+        default=None, description="about the centre of mass; without it a disc out to the farthest wheel: 1/2 m R^2"
+    )
+    centre_of_mass: At | None = Field(default=None, description="without it the robot's centre")
+    footprint_radius: Annotated[float, Quantity("length", 1e-3, 100.0)] | None = Field(
+        default=None, description="circle that encloses all parts; without it the farthest corner of a wheel"
+    )
+    control_period: Annotated[float, Quantity("time", 1e-4, 1.0)] = Field(
+        default=0.01, description="of the control loop"
+    )
+
+
+class LidarForm(Form):
+    """A scanning range sensor."""
+
+    model: str | None = Field(
+        default=None, description="entry of the sensor library that gives what is not written here"
+    )
+    name: str = Field(default="lidar", description="name of the sensor, for people")
+    title: str = Field(default="", description="one line for people")
+    source: str = Field(default="", description="where the numbers come from")
+    mount: Mount = Field(default=Mount(), description="place on the robot; without it the centre")
+    rate: Annotated[float, Quantity("frequency", 0.0, 1e4, above_low=True)] = Field(description="revolutions a second")
+    beams: Annotated[int, Field(ge=1, le=100_000)] = Field(description="beams in one revolution")
+    field_of_view: Annotated[float, Quantity("angle", 0.0, 6.2831853071796, above_low=True)] = Field(
+        default=6.283185307179586, description="angle over which the beams spread"
+    )
+    clockwise: bool = Field(default=True, description="direction of rotation, seen from above")
+    range_min: Annotated[float, Quantity("length", 0.0, 1e4)] = Field(description="nearest distance it can tell")
+    range_max: Annotated[float, Quantity("length", 0.0, 1e4, above_low=True)] = Field(description="farthest")
+    noise: Annotated[float, Quantity("length", 0.0, 10.0)] = Field(
+        default=0.0, description="standard deviation, at least"
+    )
+    noise_relative: Ratio = Field(
+        default=0.0, description="standard deviation as a part of the distance, if that is more"
+    )
+    dropout: Ratio = Field(default=0.0, description="probability that a beam tells nothing")
+    motion_distortion: bool = Field(default=True, description="beams are taken one after another while the robot moves")
+
+
+class ImuForm(Form):
+    """A yaw gyro with an accelerometer."""
+
+    model: str | None = Field(
+        default=None, description="entry of the sensor library that gives what is not written here"
+    )
+    name: str = Field(default="imu", description="name of the sensor, for people")
+    title: str = Field(default="", description="one line for people")
+    source: str = Field(default="", description="where the numbers come from")
+    mount: Mount = Field(default=Mount(), description="place on the robot; without it the centre")
+    rate: Annotated[float, Quantity("frequency", 0.0, 1e6, above_low=True)] = Field(description="samples a second")
+    gyro_noise: Annotated[float, Quantity("angular speed", 0.0, 100.0)] = Field(
+        default=0.0, description="of one sample"
+    )
+    gyro_bias: Annotated[float, Quantity("angular speed", -100.0, 100.0)] = Field(
+        default=0.0, description="at the start"
+    )
+    gyro_bias_walk: Annotated[float, Quantity("angular speed", 0.0, 100.0)] = Field(
+        default=0.0, description="spread of the bias after one second of walk"
+    )
+    accel_noise: Annotated[float, Quantity("acceleration", 0.0, 1e3)] = Field(default=0.0, description="of one sample")
+
+
+class MouseForm(Form):
+    """A ball or optical mouse that looks at the ground."""
+
+    model: str | None = Field(
+        default=None, description="entry of the sensor library that gives what is not written here"
+    )
+    title: str = Field(default="", description="one line for people")
+    source: str = Field(default="", description="where the numbers come from")
+    mount: Mount = Field(default=Mount(), description="place on the robot; without it the centre")
+    resolution: Annotated[float, Quantity("length", 0.0, 1.0, above_low=True)] = Field(description="one count")
+    noise_relative: Ratio = Field(default=0.0, description="standard deviation as a part of the distance travelled")
+
+
+class BatteryForm(Form):
+    """The supply of the motors."""
+
+    voltage: Annotated[float, Quantity("voltage", 0.0, 1e4, above_low=True)] = Field(description="open circuit")
+    resistance: Annotated[float, Quantity("resistance", 0.0, 1e3)] = Field(default=0.1, description="inner")
+    capacity: Annotated[float, Quantity("charge", 0.0, 1e9, above_low=True)] | None = Field(
+        default=None, description="without it the battery does not run down"
+    )
+
+
+class GroundForm(Form):
+    """Wheel and ground."""
+
+    friction: Annotated[float, Quantity("number", 0.0, 10.0)] = Field(default=0.6, description="grip")
+    roller_resistance: Annotated[float, Quantity("number", 0.0, 10.0)] = Field(
+        default=0.02, description="of free rollers"
+    )
+    slip_speed: Annotated[float, Quantity("speed", 1e-6, 10.0)] = Field(
+        default=0.01, description="at which grip saturates"
+    )
+
+
+class LimitsForm(Form):
+    """What the base may do, besides what its wheels can do. A missing key is no limit."""
+
+    speed: Annotated[float, Quantity("speed", 0.0, 1e4, above_low=True)] | None = Field(
+        default=None, description="of the base"
+    )
+    yaw_rate: AngularSpeed | None = Field(default=None, description="of the base")
+    accel: Annotated[float, Quantity("acceleration", 0.0, 1e5, above_low=True)] | None = Field(
+        default=None, description="of the base"
+    )
+    yaw_accel: Annotated[float, Quantity("angular acceleration", 0.0, 1e6, above_low=True)] | None = Field(
+        default=None, description="of the base"
+    )
+
+
+class SpeedLoopForm(Form):
+    """The wheel-speed loop; gains are duty per part of the no-load speed."""
+
+    kp: Annotated[float, Quantity("number", 0.0, 1e6)] = Field(
+        default=0.5, description="duty for an error of the whole range"
+    )
+    ki: Annotated[float, Quantity("number", 0.0, 1e6)] = Field(default=4.0, description="the same, a second")
+    filter: Seconds = Field(default=0.03, description="time constant of the encoder's speed")
