@@ -1,0 +1,85 @@
+"""`holodrive compare`."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from holodrive.cli.options import out_option, plant_option, pose_of, seed_option, set_option, split_settings, verb
+from holodrive.cli.output import Output
+from holodrive.errors import InputError
+
+if TYPE_CHECKING:
+    from holodrive.log.run import Run
+
+
+@verb(
+    "compare",
+    ["hybrid3 -w room -c go_to_pose,pid --runs 5 -o compare.html", "monday.mcap tuesday.mcap --json"],
+)
+@click.argument("what", nargs=-1, required=True, metavar="ROBOT | RUN.mcap...")
+@click.option("-w", "--world", metavar="WORLD", help="World, by name or file; the open floor when not given.")
+@click.option("-c", "--controllers", default="go_to_pose,pid", show_default=True, help="Names with commas between.")
+@click.option("--runs", default=3, show_default=True, type=click.IntRange(1), help="Seeds for each controller.")
+@click.option("--goal", metavar="X,Y[,HEADING]", help="Where to go; the world's goal when not given.")
+@plant_option
+@seed_option
+@set_option
+@out_option("Write a one-file HTML report of all runs side by side.")
+def command(out: Output, what: tuple[str, ...], path: str | None, **options: Any) -> None:
+    """Set controllers side by side in one world with the same seeds, or recorded runs."""
+    import holodrive as hd
+
+    logs = all(name.endswith(".mcap") for name in what)
+    if not logs and len(what) > 1:
+        raise InputError(f"compare takes one robot, or logs that end in .mcap; found {' '.join(what)}")
+    groups = {Path(name).stem: [hd.read(name)] for name in what} if logs else _drive(out, what[0], options)
+    rows = [_row(name, runs) for name, runs in groups.items()]
+    if path:
+        hd.report([runs[0] for runs in groups.values()]).save(path)
+    if out.json:
+        out.data({"runs": {name: [run.metrics for run in runs] for name, runs in groups.items()}, "report": path})
+    else:
+        names = list(dict.fromkeys(key for row in rows for key in row if key != "name"))
+        header = ["metric", *(str(row["name"]) for row in rows)]
+        out.table(header, [[key, *(row.get(key, "-") for row in rows)] for key in names])
+        if path:
+            out.line("report", path)
+    out.next(f"holodrive compare {' '.join(what)} -o compare.html" if not path else f"open {path}")
+
+
+def _drive(out: Output, robot: str, options: dict[str, Any]) -> dict[str, list["Run"]]:
+    import holodrive as hd
+
+    overrides, params = split_settings(options["settings"])
+    described, world = hd.load(robot, overrides), hd.world(options["world"])
+    controllers = [name.strip() for name in options["controllers"].split(",") if name.strip()]
+    goal = pose_of(options["goal"], "--goal") if options["goal"] else None
+    seeds = range(options["seed"], options["seed"] + options["runs"])
+    groups: dict[str, list[Run]] = {}
+    with out.progress("compare", len(controllers) * len(seeds), "runs") as update:
+        for controller in controllers:
+            for seed in seeds:
+                base = hd.simulate(described, world, plant=options["plant"], seed=seed)
+                run = hd.drive(base, controller, goal=goal, params=params or None)
+                groups.setdefault(controller, []).append(run)
+                update(sum(map(len, groups.values())))
+    return groups
+
+
+def _row(name: str, runs: Sequence["Run"]) -> dict[str, str]:
+    """Median of each metric, with its range when there are several runs."""
+    import numpy as np
+
+    row = {"name": name, "runs": str(len(runs))}
+    for key in runs[0].metrics:
+        values = np.array([run.metrics.get(key, np.nan) for run in runs])
+        values = values[np.isfinite(values)]
+        if not len(values):
+            row[key] = "-"
+        elif values.min() == values.max():
+            row[key] = f"{values[0]:.4g}"
+        else:
+            row[key] = f"{np.median(values):.4g} ({values.min():.4g} .. {values.max():.4g})"
+    return row
