@@ -1,1 +1,1 @@
-"""(to be written)"""
+"""Motor models: lag, DC gearmotor and battery, the wheel-speed loop of the motor board."""

@@ -1,0 +1,97 @@
+"""Collisions: a robot's round footprint against obstacles, walls and movers.
+
+A robot that would enter an obstacle is put back to its surface along the shortest way, and its velocity into the
+surface is taken from it (it slides on); its wheels turn as they like. A mover that runs into the robot pushes it.
+Each contact that begins is an event with its time, its place and who moved.
+"""
+
+import math
+
+from numba import njit
+
+from holodrive.obstacles import nearest
+from holodrive.sim import state as st
+
+MARGIN = 1e-9  # m: how far outside the surface a robot is put
+REARM = 0.25  # s without touch after which the same obstacle counts again
+STANDING = 0.01  # m/s: a robot slower than this did not run into anything, it was run into
+_SLOTS = 4
+_ROUNDS = 4
+
+
+@njit(cache=True, error_model="numpy")
+def free_distance(model, obstacles, state, time):  # type: ignore[no-untyped-def]
+    """How far [m] the robot may surely move from where it is now before it touches anything."""
+    return nearest(obstacles, time, state[st.POSE], state[st.POSE + 1])[0] - model.footprint
+
+
+@njit(cache=True, error_model="numpy")
+def keep_outside(model, obstacles, state, events, time):  # type: ignore[no-untyped-def]
+    """Put the robot out of what it has entered, tell contacts that began, renew the free distance."""
+    gap = math.inf
+    for _ in range(_ROUNDS):  # in a corner one push may lead into the other wall
+        gap, nx, ny, vx, vy, number = nearest(obstacles, time, state[st.POSE], state[st.POSE + 1])
+        gap -= model.footprint
+        if gap >= 0.0:
+            break
+        tell(model, state, events, time, nx, ny, vx, vy, number)
+        state[st.POSE] += (MARGIN - gap) * nx
+        state[st.POSE + 1] += (MARGIN - gap) * ny
+        block(state, nx, ny, vx, vy)
+        gap = MARGIN
+    state[st.FREE] = gap
+
+
+@njit(cache=True, error_model="numpy")
+def block(state, nx, ny, vx, vy):  # type: ignore[no-untyped-def]
+    """Take from the robot's velocity what goes into a surface with normal n that moves with v."""
+    theta = state[st.POSE + 2]
+    c, s = math.cos(theta), math.sin(theta)
+    bx, by = state[st.TWIST], state[st.TWIST + 1]
+    into = (c * bx - s * by - vx) * nx + (s * bx + c * by - vy) * ny
+    if into < 0.0:
+        state[st.TWIST] = bx - into * (c * nx + s * ny)
+        state[st.TWIST + 1] = by - into * (c * ny - s * nx)
+
+
+@njit(cache=True, error_model="numpy")
+def tell(model, state, events, time, nx, ny, vx, vy, number):  # type: ignore[no-untyped-def]
+    """Count a touch; write an event when it is the first one of a contact."""
+    oldest = st.CONTACTS
+    for k in range(_SLOTS):
+        slot = st.CONTACTS + 2 * k
+        if state[slot] == number + 1.0:
+            lasting = time - state[slot + 1] <= REARM
+            state[slot + 1] = time
+            if lasting:
+                return
+            oldest = slot
+            break
+        if state[slot + 1] < state[oldest + 1] or state[slot] == 0.0:
+            oldest = slot
+    state[oldest], state[oldest + 1] = number + 1.0, time
+    speed = math.hypot(state[st.TWIST], state[st.TWIST + 1])
+    state[st.COLLISIONS] += 1.0
+    if speed > STANDING:
+        state[st.MOVED_COLLISIONS] += 1.0
+    row = write_event(state, events, time, st.COLLISION)
+    if row >= 0:
+        events[row, st.EVENT_PLACE] = state[st.POSE] - model.footprint * nx
+        events[row, st.EVENT_PLACE + 1] = state[st.POSE + 1] - model.footprint * ny
+        events[row, st.EVENT_OBSTACLE] = number
+        events[row, st.EVENT_ROBOT_SPEED] = speed
+        events[row, st.EVENT_MOVER_SPEED] = math.hypot(vx, vy)
+
+
+@njit(cache=True, error_model="numpy")
+def write_event(state, events, time, kind):  # type: ignore[no-untyped-def]
+    """Start a row of the event table; gives its number, -1 when the table is full."""
+    row = int(state[st.N_EVENTS])
+    if row >= events.shape[0]:
+        return -1
+    state[st.N_EVENTS] += 1.0
+    events[row, :] = 0.0
+    events[row, st.EVENT_TIME], events[row, st.EVENT_KIND] = time, kind
+    for i in range(3):
+        events[row, st.EVENT_POSE + i] = state[st.POSE + i]
+    return row

@@ -1,0 +1,57 @@
+"""The indices of the flat float64 vector that is one simulated robot: everything that changes, nothing that stays.
+
+A batch is an array (n, SIZE) of such rows; counters are whole floats.
+"""
+
+from holodrive.layout import MAX_MICE, MAX_WHEELS
+
+POSE = 0  # 3: base_link in the world; m, m, rad, heading not wrapped
+TWIST = 3  # 3: of base_link in its own axes, as the ground sees it
+TICK = 6  # control periods done
+FREE = 7  # m that the robot may surely still travel before it can touch anything
+MOVED = 8  # 3: integral of the twist over the last control period (m, m, rad), body axes
+TICK_TWIST = 11  # 3: twist one control period ago
+TICK_POSE = 14  # 3: pose one control period ago
+ENERGY = 17  # J drawn from the battery
+CHARGE = 18  # C drawn from the battery
+VOLTAGE = 19  # V at the drivers
+FAULT = 20  # 1.0 once a command was not finite; latched
+DIRECT = 21  # 1.0 while the command is a duty
+COLLISIONS = 22  # how many contacts began
+MOVED_COLLISIONS = 23  # those that began while the robot itself moved
+N_EVENTS = 24  # rows written to the event table
+CONTACTS = 25  # 4 x (obstacle number + 1, time of last touch)
+
+GYRO = 34  # rad/s
+ACCEL = 35  # 2: m/s^2
+GYRO_WALK = 37  # rad/s, how far the gyro's bias has walked
+IMU_SAMPLE = 38  # number of the sample held, from 1; 0 = none yet
+SCANS = 39  # scans finished
+SCAN_IS_NEW = 40  # 1.0 at the tick at which a scan arrived
+SCAN_TIME = 41  # s
+NEXT_BEAM = 42  # beams taken so far of the scan under way
+
+WHEEL_SPEED = 48  # n: rad/s
+WHEEL_ANGLE = WHEEL_SPEED + MAX_WHEELS  # n: rad
+CURRENT = WHEEL_ANGLE + MAX_WHEELS  # n: A
+DUTY = CURRENT + MAX_WHEELS  # n: -1..1
+COMMAND = DUTY + MAX_WHEELS  # n: rad/s, or duty while DIRECT
+COUNT = COMMAND + MAX_WHEELS  # n: encoder counts
+MEASURED = COUNT + MAX_WHEELS  # n: rad/s, the motor board's filtered encoder speed
+INTEGRAL = MEASURED + MAX_WHEELS  # n: rad/s, of the speed loop
+STEER = INTEGRAL + MAX_WHEELS  # m: rad
+STEER_COMMAND = STEER + MAX_WHEELS  # m: rad
+MICE = STEER_COMMAND + MAX_WHEELS  # 2 k: m told at this tick
+MICE_CARRY = MICE + 2 * MAX_MICE  # 2 k: counts not told yet, below 1
+SIZE = MICE_CARRY + 2 * MAX_MICE
+
+# --- event table: one row for each event of a robot ----------------------------------------------
+EVENT_TIME = 0  # s
+EVENT_KIND = 1  # COLLISION or COMMAND_FAULT
+EVENT_POSE = 2  # 3
+EVENT_PLACE = 5  # 2: point of contact, world [m]
+EVENT_OBSTACLE = 7  # number of the obstacle, see `obstacles.Obstacles`
+EVENT_ROBOT_SPEED = 8  # m/s just before the contact
+EVENT_MOVER_SPEED = 9  # m/s of the obstacle
+EVENT_SIZE = 10
+COLLISION, COMMAND_FAULT = 1.0, 2.0

@@ -1,0 +1,74 @@
+"""Counter-based random numbers: a pure function of (seed, robot, stream, step, index), no state anywhere.
+
+The finaliser of splitmix64 (Steele, Lea, Flood 2014) mixes each part before the next one enters, so that no two
+different tuples are neighbours of one another, and results cannot depend on threads, chunks or order.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+# streams: which sensor draws
+LIDAR, GYRO, GYRO_WALK, ACCEL, MICE, DROPOUT = range(6)
+
+_A = np.uint64(0xBF58476D1CE4E5B9)
+_B = np.uint64(0x94D049BB133111EB)
+_GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+_S30, _S27, _S31 = np.uint64(30), np.uint64(27), np.uint64(31)
+_S16, _S32, _S48, _S11 = np.uint64(16), np.uint64(32), np.uint64(48), np.uint64(11)
+_LOW = np.uint64(0xFFFF)
+
+# Four uniforms of 16 bit: mean of the sum and 1 / its standard deviation, sqrt(4 (2^32 - 1) / 12).
+_MEAN = 2.0 * 65535.0
+_SCALE = math.sqrt(3.0 / (2.0**32 - 1.0))
+# Their sum has an excess kurtosis of -0.3; the first Cornish-Fisher term z + c (z^3 - 3 z) gives the tails back,
+# and the factor restores unit variance: Var = 1 + 2 c k4 + c^2 (m6 - 6 m4 + 9) with m4 = 2.7, m6 = 153/14, k4 = -0.3.
+_TAIL = 0.3 / 24.0
+_UNIT = 1.0 / math.sqrt(1.0 - 0.6 * _TAIL + _TAIL * _TAIL * (153.0 / 14.0 - 6.0 * 2.7 + 9.0))
+
+
+@njit(cache=True, error_model="numpy")
+def mix(z):  # type: ignore[no-untyped-def]
+    """Finaliser of splitmix64: uint64 -> uint64, one to one."""
+    z = (z ^ (z >> _S30)) * _A
+    z = (z ^ (z >> _S27)) * _B
+    return z ^ (z >> _S31)
+
+
+@njit(cache=True, error_model="numpy")
+def key_of(seed, robot):  # type: ignore[no-untyped-def]
+    """Key of one robot of one run."""
+    return mix(mix(np.uint64(seed) + _GOLDEN) ^ mix(np.uint64(robot) * _A + _GOLDEN))
+
+
+@njit(cache=True, error_model="numpy")
+def draw(key, stream, step):  # type: ignore[no-untyped-def]
+    """64 random bits of a stream's step; a key itself for numbers within the step (`draw_index`)."""
+    return mix(mix(key ^ mix(np.uint64(stream) * _B + _GOLDEN)) ^ mix(np.uint64(step) + _GOLDEN))
+
+
+@njit(cache=True, error_model="numpy")
+def draw_index(bits, index_hash):  # type: ignore[no-untyped-def]
+    """64 random bits of an index within a step; `index_hash` is `hash_of(index)`, made once."""
+    return mix(bits ^ index_hash)
+
+
+@njit(cache=True, error_model="numpy")
+def hash_of(index):  # type: ignore[no-untyped-def]
+    """What `draw_index` wants of an index."""
+    return mix(np.uint64(index) * _A + _GOLDEN)
+
+
+@njit(cache=True, error_model="numpy")
+def gauss(bits):  # type: ignore[no-untyped-def]
+    """Standard normal number of 64 random bits: mean 0, variance 1, kurtosis 3.0, at most 3.8 away from 0."""
+    total = np.float64(np.int64((bits & _LOW) + ((bits >> _S16) & _LOW) + ((bits >> _S32) & _LOW) + (bits >> _S48)))
+    z = (total - _MEAN) * _SCALE
+    return _UNIT * z * (1.0 + _TAIL * (z * z - 3.0))
+
+
+@njit(cache=True, error_model="numpy")
+def uniform(bits):  # type: ignore[no-untyped-def]
+    """Even number in [0, 1) of 64 random bits."""
+    return np.float64(np.int64(bits >> _S11)) * (1.0 / 9007199254740992.0)
