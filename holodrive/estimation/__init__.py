@@ -1,1 +1,90 @@
-"""(to be written)"""
+"""Observations in, belief out. A new estimator is one file and one line in `ESTIMATORS`."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from holodrive.errors import UnknownName
+
+if TYPE_CHECKING:
+    from holodrive.estimation.evaluate import Evaluation, evaluate, table
+    from holodrive.estimation.kernel import KernelEstimator
+    from holodrive.estimation.odometry import Odometry, track
+    from holodrive.estimation.wheel_odometry import WheelOdometry
+    from holodrive.interfaces import Estimator, Plug
+    from holodrive.robots.spec import Robot
+
+# name -> "module:class" of a frozen parameter class (interfaces.Plug)
+ESTIMATORS: dict[str, str] = {
+    "wheel_odometry": "holodrive.estimation.wheel_odometry:WheelOdometry",
+}
+# Numba and all that needs it is imported when it is first asked for
+_WHERE = {
+    "Evaluation": "holodrive.estimation.evaluate",
+    "KernelEstimator": "holodrive.estimation.kernel",
+    "Odometry": "holodrive.estimation.odometry",
+    "WheelOdometry": "holodrive.estimation.wheel_odometry",
+    "evaluate": "holodrive.estimation.evaluate",
+    "table": "holodrive.estimation.evaluate",
+    "track": "holodrive.estimation.odometry",
+}
+
+
+def names() -> list[str]:
+    """All estimators."""
+    return sorted(ESTIMATORS)
+
+
+def plug_class(name: str) -> Any:
+    """The parameter class of an estimator.
+
+    Raises:
+        UnknownName: no such estimator.
+    """
+    if name not in ESTIMATORS:
+        raise UnknownName("estimator", name, ESTIMATORS)
+    module, _, attribute = ESTIMATORS[name].partition(":")
+    return getattr(import_module(module), attribute)
+
+
+def summary(name: str) -> str:
+    """One line about an estimator: the first of its module."""
+    return str(import_module(plug_class(name).__module__).__doc__).partition("\n")[0]
+
+
+def plug(name: str) -> "Plug":
+    """An estimator's parameters with their defaults."""
+    result: Plug = plug_class(name)()
+    return result
+
+
+def estimator(name: str, robot: "Robot") -> "Estimator":
+    """An estimator for the ordinary loop."""
+    from holodrive.estimation.kernel import KernelEstimator
+
+    return KernelEstimator(plug(name), robot)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _WHERE:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    # a submodule may have the name of what it holds: what is asked for here is always the function or class
+    value = getattr(import_module(_WHERE[name]), name)
+    globals()[name] = value
+    return value
+
+
+__all__ = [
+    "ESTIMATORS",
+    "Evaluation",
+    "KernelEstimator",
+    "Odometry",
+    "WheelOdometry",
+    "estimator",
+    "evaluate",
+    "names",
+    "plug",
+    "plug_class",
+    "summary",
+    "table",
+    "track",
+]
