@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from holodrive.errors import ChassisError
 from holodrive.kinematics.judge import WARN_CONDITION, Verdict, judge
+from holodrive.kinematics.scalar import Scalar
 from holodrive.kinematics.wheel import Wheel
 from holodrive.types import Array, WheelCommand
 
@@ -78,6 +79,11 @@ class Chassis:
     def redundancy(self) -> int:
         """Rows beyond the three unknowns; 0 means that the wheels cannot contradict each other."""
         return len(self.jacobian) - 3
+
+    @cached_property
+    def scalar(self) -> Scalar:
+        """The same maps for plain floats, several times faster for one tick."""
+        return Scalar(self)
 
     @cached_property
     def max_speeds(self) -> Array:

@@ -16,7 +16,7 @@ import numpy as np
 from numba import njit
 
 from holodrive.kinematics.chassis import Chassis
-from holodrive.kinematics.settings import HOLD_SPEED, HYSTERESIS
+from holodrive.kinematics.settings import FOUR_GOALS, GOAL, HOLD_SPEED, HYSTERESIS, SLOW_DOWN_ROUNDS, TIGHT, TWO_GOALS
 from holodrive.types import Array
 
 if TYPE_CHECKING:
@@ -41,10 +41,6 @@ BLOCK = 18
 # memory of a command step; after the angles [rad] come the drive signs (m)
 LAST_TWIST = 0  # of the tick before, in the axes of this one; used by the acceleration limits only
 STEER = 3
-
-_TIGHT = 1e-12  # a saturated wheel runs between 1 - 2e-12 and 1 of its limit
-_SERIES_TURN = 0.3  # rad in one tick
-_SECANTS, _ATTEMPTS = 10, 60
 
 
 def arrays(robot: "Robot | Chassis", limits: "Limits | None" = None) -> KinematicsArrays:
@@ -87,11 +83,11 @@ def command_step(kin: Array, twist: Array, dt: float, memory: Array, speeds_out:
         steer_out: (m,) [rad], not wrapped.
 
     Returns:
-        How much limits and wheels scaled the command, 1 when not at all. NaN for a twist that is not finite:
-        then the wheels stand still and the modules keep their angles.
+        How much limits and wheels scaled the command, 1 when not at all. A twist that is not finite gives NaN, here
+        and for every wheel speed, so that the gate refuses it; the modules keep their angles.
     """
     wanted_vx, wanted_vy, wanted_omega = twist[0], twist[1], twist[2]
-    valid = math.isfinite(wanted_vx + wanted_vy + wanted_omega)
+    valid = math.isfinite(wanted_vx + wanted_vy + wanted_omega) and dt > 0.0
     if not valid:
         wanted_vx = wanted_vy = wanted_omega = memory[0] = memory[1] = memory[2] = 0.0
     scale = limit_scale(kin, wanted_vx, wanted_vy, wanted_omega, dt)
@@ -103,6 +99,9 @@ def command_step(kin: Array, twist: Array, dt: float, memory: Array, speeds_out:
     factor = fit(kin, vx, vy, omega, dt, speeds_out, steer_out)
     remember(factor * vx, factor * vy, factor * omega, dt, memory)
     drive_modules(kin, dt, memory, speeds_out, steer_out)
+    if not valid:
+        for i in range(int(kin[N_WHEELS])):
+            speeds_out[i] = math.nan
     return scale * factor if valid else math.nan
 
 
@@ -133,39 +132,62 @@ def remember(vx: float, vy: float, omega: float, dt: float, memory: Array) -> No
 def fit(kin: Array, vx: float, vy: float, omega: float, dt: float, first: Array, second: Array) -> float:
     """Largest factor at most 1 for which the discretised twist is inside every wheel's limit; writes the rows.
 
-    The turn inside a tick bends the discretised twist, so load(factor) is not quite a straight line: a secant on
-    load / factor closes in on load = 1, guarded by halving.
+    Slows the worst wheel down to its limit, then looks again.
     """
-    factor, old, old_load, low, high = 1.0, 0.0, 0.0, 0.0, 1.0
-    attempt = 0
-    searching = True
-    while searching:
+    factor = 1.0
+    load = discrete_rows(kin, vx, vy, omega, dt, factor, first, second)
+    while load > 1.0:
+        b = WHEELS + BLOCK * worst_wheel(kin, load, first, second)
+        c, at = kin[b + LOAD] * factor, b + ROWS
+        factor *= slow_down(
+            c * (kin[at] * vx + kin[at + 1] * vy),
+            c * (kin[at] * vy - kin[at + 1] * vx),
+            c * kin[at + 2] * omega,
+            c * (kin[at + 3] * vx + kin[at + 4] * vy),
+            c * (kin[at + 3] * vy - kin[at + 4] * vx),
+            c * kin[at + 5] * omega,
+            0.5 * omega * dt * factor,
+            load,
+        )
         load = discrete_rows(kin, vx, vy, omega, dt, factor, first, second)
-        searching = load > 1.0 or (attempt > 0 and load < 1.0 - 2.0 * _TIGHT and attempt < _ATTEMPTS)
-        high, low = (factor, low) if load > 1.0 else (high, factor)
-        guess = next_factor(attempt, old, old_load, factor, load, low, high) if searching else factor
-        old, old_load, factor = factor, load, guess
-        attempt += 1
     return factor
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def next_factor(attempt: int, old: float, old_load: float, new: float, load: float, low: float, high: float) -> float:
-    """Next guess of `fit`: where factor * (straight line through load / factor at the last two) is 1.
+def worst_wheel(kin: Array, load: float, first: Array, second: Array) -> int:
+    """The wheel that has the largest `load`."""
+    worst = -1
+    for i in range(int(kin[N_WHEELS])):
+        b = WHEELS + BLOCK * i
+        j = int(kin[b + STEER_INDEX])
+        speed = abs(first[i]) if j < 0 else math.sqrt(first[i] * first[i] + second[j] * second[j])
+        worst = i if worst < 0 and speed * kin[b + LOAD] >= load else worst
+    return worst
 
-    `low` is known to fit and `high` not to; after some attempts the guess halves between them, and ends on `low`.
-    """
-    goal = 1.0 - _TIGHT
-    guess = goal * new / load
-    if 0 < attempt < _SECANTS and new != old:
-        slope = (load / new - old_load / old) / (new - old)
-        base = load / new - slope * new
-        root = base * base + 4.0 * slope * goal
-        if root >= 0.0:
-            guess = 2.0 * goal / (base + math.sqrt(root))
-    if attempt >= _SECANTS or not low < guess < high:
-        guess = 0.5 * (low + high)
-    return low if attempt == _ATTEMPTS - 1 else guess
+
+@njit(cache=True, error_model="numpy")
+def slow_down(pa: float, qa: float, ra: float, pb: float, qb: float, rb: float, half: float, load: float) -> float:
+    """Factor that brings one wheel to its limit; `scalar_step.slow_down` says how."""
+    qa, qb = qa * half, qb * half
+    f, h = 1.0, half
+    for _ in range(SLOW_DOWN_ROUNDS):
+        q = h * h
+        k = half_cotangent(h)
+        slope = half * h * (q * -0.08888888888888889 - 0.6666666666666666) if q < 0.0225 else half * (k - k * k - q) / h
+        a, b = k * pa + f * qa + ra, k * pb + f * qb + rb
+        g = math.sqrt(a * a + b * b)
+        tilt = (a * (slope * pa + qa) + b * (slope * pb + qb)) / g
+        base = g - tilt * f
+        root = base * base + tilt * FOUR_GOALS
+        guess = TWO_GOALS / (base + math.sqrt(root)) if root > 0.0 else GOAL / load
+        if not 0.0 < guess < 1.0:
+            guess = GOAL / load
+        step = (guess - f) * half
+        f = guess
+        if step * step <= TIGHT:
+            break
+        h = f * half
+    return f
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -206,10 +228,10 @@ def row(kin: Array, at: int, vx: float, vy: float, omega: float) -> float:
 @njit(cache=True, error_model="numpy", forceinline=True)
 def half_cotangent(half: float) -> float:
     """h cot(h): how much a straight line shrinks to the chord's twist; 1 without turning."""
-    if abs(half) > 0.5 * _SERIES_TURN:
-        return half * math.cos(half) / math.sin(half)
-    q = 4.0 * half * half
-    return 1.0 - q * (1.0 / 12.0 + q * (1.0 / 720.0 + q * (1.0 / 30240.0 + q * (1.0 / 1209600.0 + q / 47900160.0))))
+    q = half * half
+    if q < 0.0225:  # series exact to the last bit
+        return 1.0 - q * (1 / 3 + q * (1 / 45 + q * (2 / 945 + q * (1 / 4725 + q * (2 / 93555)))))
+    return half * math.cos(half) / math.sin(half)
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)

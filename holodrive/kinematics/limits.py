@@ -1,0 +1,95 @@
+"""What the wheels can do: the set of twists that no wheel speed limit forbids, and scaling into it.
+
+For fixed wheels the set is the polytope |J v| <= w_max; a steered wheel adds the cone |contact velocity| <= r w_max.
+Both are convex and contain rest, so scaling a twist down keeps its direction and has an exact answer.
+"""
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from holodrive.types import Array
+
+if TYPE_CHECKING:
+    from holodrive.kinematics.chassis import Chassis
+
+
+class Applied(NamedTuple):
+    """What became of a wanted twist.
+
+    Attributes:
+        twist: (..., 3) that is applied.
+        scale: (...) factor that limits took from the wanted one, 1 when they took nothing.
+        binding: name of the wheel (or of the limit) that bound, "" when none did; an array of names for a batch.
+    """
+
+    twist: Array
+    scale: Any
+    binding: Any
+
+
+def loads(chassis: "Chassis", twist: ArrayLike) -> Array:
+    """(..., n) speed of each wheel relative to its limit."""
+    rows = chassis.wheel_rows(twist)
+    speeds = np.abs(rows[..., chassis.row])
+    if chassis.steered:
+        index = list(chassis.steered)
+        rim = np.hypot(rows[..., chassis.steered_rows], rows[..., chassis.steered_rows + 1])
+        speeds[..., index] = rim / chassis.radii[index]
+    return np.asarray(speeds / chassis.max_speeds)
+
+
+def saturate(chassis: "Chassis", twist: ArrayLike) -> Applied:
+    """Scale twists (..., 3) by one factor each into what the wheels can do; direction and shape of motion stay."""
+    twist = np.asarray(twist, dtype=np.float64)
+    load = loads(chassis, twist)
+    worst = np.argmax(load, axis=-1)
+    scale = 1.0 / np.maximum(1.0, np.max(load, axis=-1))
+    names = np.where(scale < 1.0, np.asarray(chassis.names, dtype=object)[worst], "")
+    if twist.ndim == 1:
+        return Applied(twist * scale, float(scale), str(names))
+    return Applied(twist * scale[..., None], scale, names)
+
+
+def max_speed(chassis: "Chassis", direction: ArrayLike, omega: ArrayLike = 0.0) -> Array:
+    """Largest speed (...) [m/s] towards `direction` (...) [rad, base_link] while turning with `omega` (...) [rad/s].
+
+    NaN where the wheels cannot turn that fast while moving that way at all; infinite without wheel limits.
+    """
+    direction, omega = np.broadcast_arrays(np.asarray(direction, dtype=np.float64), np.asarray(omega, dtype=np.float64))
+    low, high = speed_interval(chassis, direction, omega)
+    return np.asarray(np.where((high >= low) & (high >= 0.0), high, np.nan))
+
+
+def speed_interval(chassis: "Chassis", direction: Array, omega: Array) -> tuple[Array, Array]:
+    """Speeds [m/s] along a direction that every wheel allows while turning: (lowest, highest); empty if reversed.
+
+    A fixed wheel allows |p s + q omega| <= w_max, a steered one |s d + omega (-y, x)| <= r w_max.
+    """
+    unit = np.stack([np.cos(direction), np.sin(direction), np.zeros_like(direction)], axis=-1)
+    turn = np.stack([np.zeros_like(omega), np.zeros_like(omega), omega], axis=-1)
+    along, offset = chassis.wheel_rows(unit), chassis.wheel_rows(turn)
+    low, high = np.full(direction.shape, -np.inf), np.full(direction.shape, np.inf)
+    for i, (wheel, row) in enumerate(zip(chassis.wheels, chassis.row, strict=True)):
+        if wheel.steered:
+            b = along[..., row] * offset[..., row] + along[..., row + 1] * offset[..., row + 1]
+            c = offset[..., row] ** 2 + offset[..., row + 1] ** 2 - wheel.max_rim_speed**2
+            root = b * b - c
+            reach = np.sqrt(np.where(root >= 0.0, root, np.nan))
+            first, last = -b - reach, -b + reach
+        else:
+            first, last = _fixed_interval(along[..., row], offset[..., row], chassis.max_speeds[i])
+        # an impossible turn rate gives NaN, which must win
+        low, high = np.maximum(low, first), np.minimum(high, last)
+    return low, high
+
+
+def _fixed_interval(p: Array, q: Array, bound: float) -> tuple[Array, Array]:
+    """Speeds s with |p s + q| <= bound."""
+    free = np.abs(p) < 1e-300
+    slope = np.where(free, 1.0, np.abs(p))
+    sign = np.where(p < 0.0, -1.0, 1.0)
+    low, high = (-bound - q * sign) / slope, (bound - q * sign) / slope
+    inside = np.where(np.abs(q) <= bound, np.inf, np.nan)
+    return np.where(free, -inside, low), np.where(free, inside, high)
