@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from holodrive.errors import UnknownName
 
 if TYPE_CHECKING:
-    from holodrive.estimation.evaluate import Evaluation, evaluate, table
+    from holodrive.estimation.evaluation import Evaluation, Medians, evaluate, medians
     from holodrive.estimation.kernel import KernelEstimator
     from holodrive.estimation.odometry import Odometry, track
     from holodrive.estimation.wheel_odometry import WheelOdometry
@@ -19,12 +19,13 @@ ESTIMATORS: dict[str, str] = {
 }
 # Numba and all that needs it is imported when it is first asked for
 _WHERE = {
-    "Evaluation": "holodrive.estimation.evaluate",
+    "Evaluation": "holodrive.estimation.evaluation",
     "KernelEstimator": "holodrive.estimation.kernel",
+    "Medians": "holodrive.estimation.evaluation",
     "Odometry": "holodrive.estimation.odometry",
     "WheelOdometry": "holodrive.estimation.wheel_odometry",
-    "evaluate": "holodrive.estimation.evaluate",
-    "table": "holodrive.estimation.evaluate",
+    "evaluate": "holodrive.estimation.evaluation",
+    "medians": "holodrive.estimation.evaluation",
     "track": "holodrive.estimation.odometry",
 }
 
@@ -67,7 +68,6 @@ def estimator(name: str, robot: "Robot") -> "Estimator":
 def __getattr__(name: str) -> Any:
     if name not in _WHERE:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    # a submodule may have the name of what it holds: what is asked for here is always the function or class
     value = getattr(import_module(_WHERE[name]), name)
     globals()[name] = value
     return value
@@ -77,14 +77,15 @@ __all__ = [
     "ESTIMATORS",
     "Evaluation",
     "KernelEstimator",
+    "Medians",
     "Odometry",
     "WheelOdometry",
     "estimator",
     "evaluate",
+    "medians",
     "names",
     "plug",
     "plug_class",
     "summary",
-    "table",
     "track",
 ]

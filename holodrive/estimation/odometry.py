@@ -64,10 +64,13 @@ class Odometry:
 
     Example:
         >>> from holodrive.kinematics import Chassis, Wheel
-        >>> wheels = [Wheel.omni(0.2, 0, 1.57079, 0.05), Wheel.omni(0, 0.2, 3.14159, 0.05), Wheel.omni(-0.2, 0, -1.57079, 0.05)]
+        >>> from math import cos, pi, sin
+        >>> wheels = [Wheel.omni(0.2 * cos(a), 0.2 * sin(a), a + pi / 2, 0.05) for a in (0, 2 * pi / 3, 4 * pi / 3)]
         >>> odometry = Odometry(Chassis(wheels))
         >>> odometry.update([0.0, 0.0, 0.0], stamp=0.0).pose
         Pose(x=0.0, y=0.0, theta=0.0)
+        >>> round(odometry.update([1.0, 1.0, 1.0], stamp=0.1).pose.theta, 6)  # 5 cm of rim at 20 cm
+        0.25
     """
 
     def __init__(self, robot: Robot | Chassis, params: WheelOdometry | None = None, pose: Pose = _ORIGIN) -> None:
@@ -152,16 +155,15 @@ def track(
     params = params or WheelOdometry()
     times = np.ascontiguousarray(time, dtype=np.float64)
     n, m = len(robot.wheels), len(robot.steered)
-    arrays = [
-        _samples("wheel angles", position, (len(times), n)),
-        _samples("steering angles", np.zeros((len(times), m)) if steer is None else steer, (len(times), m)),
-        _samples("gyro", np.full(len(times), np.nan) if gyro is None else gyro, (len(times),)),
-        _samples("heading", np.full(len(times), np.nan) if heading is None else heading, (len(times),)),
-    ]
+    unknown = np.full(len(times), np.nan)
+    wheels = _samples("wheel angles", position, (len(times), n))
+    angles = _samples("steering angles", np.zeros((len(times), m)) if steer is None else steer, (len(times), m))
+    rates = _samples("gyro", unknown if gyro is None else gyro, (len(times),))
+    headings = _samples("heading", unknown if heading is None else heading, (len(times),))
     memory = np.zeros(params.memory_size(robot))
     memory[:3] = start
     out = np.empty((len(times), layout.ESTIMATE_SIZE))
-    wo.integrate(params.pack(robot), memory, times, *arrays, out)
+    wo.integrate(params.pack(robot), memory, times, wheels, angles, rates, headings, out)
     return Track(
         pose=out[:, layout.EST_POSE : layout.EST_POSE + 3].copy(),
         twist=out[:, layout.EST_TWIST : layout.EST_TWIST + 3].copy(),

@@ -150,9 +150,7 @@ def integrate(
 
 
 @njit(cache=True, error_model="numpy")
-def step(
-    params: Array, memory: Array, time: float, position: Array, steer: Array, gyro: float, heading: float
-) -> None:
+def step(params: Array, memory: Array, time: float, position: Array, steer: Array, gyro: float, heading: float) -> None:
     """One sample into the pose, or into the counter of what was wrong with it.
 
     Args:
@@ -201,7 +199,7 @@ def step(
 @njit(cache=True, error_model="numpy")
 def all_finite(values: Array) -> bool:
     """Whether no value is NaN or infinite."""
-    for value in values:
+    for value in values:  # noqa: SIM110  Numba has no generators
         if not math.isfinite(value):
             return False
     return True
@@ -286,10 +284,10 @@ def gyro_turn(memory: Array, dt: float, gyro: float, heading: float) -> float:
     """Turn [rad] since the last sample by the heading, else by the gyro's mean rate; NaN when neither is known."""
     turn = kin.wrap(heading - memory[LAST_HEADING])
     if math.isfinite(turn):
-        return turn
+        return float(turn)
     if math.isfinite(memory[LAST_GYRO]):
-        return 0.5 * (gyro + memory[LAST_GYRO]) * dt
-    return gyro * dt
+        return float(0.5 * (gyro + memory[LAST_GYRO]) * dt)
+    return float(gyro * dt)
 
 
 @njit(cache=True, error_model="numpy")
