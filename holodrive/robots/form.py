@@ -120,7 +120,7 @@ class _ByName:
         self.form, self.library = form, library
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        return {"anyOf": [{"type": "string"}, {"$ref": f"#/$defs/{self.form}"}], "x-library": self.library}
+        return {"anyOf": [{"type": "string"}, {"$ref": f"#/definitions/{self.form}"}], "x-library": self.library}
 
 
 class WheelForm(Form):
