@@ -16,7 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holodrive.errors import ChassisError
+from holodrive.kinematics import acceleration, limits, solve
 from holodrive.kinematics.judge import WARN_CONDITION, Verdict, judge
+from holodrive.kinematics.polytope import Polytope
 from holodrive.kinematics.scalar import Scalar
 from holodrive.kinematics.wheel import Wheel
 from holodrive.types import Array, WheelCommand
@@ -133,6 +135,45 @@ class Chassis:
             steer: (..., m) steering angles [rad]; needed when the base has steered wheels.
         """
         return np.asarray(self.rows_of(speeds, steer) @ self.least_squares.T)
+
+    def solve(
+        self,
+        speeds: ArrayLike,
+        steer: ArrayLike | None = None,
+        weights: ArrayLike | None = None,
+        wheel_sigma: ArrayLike | None = None,
+    ) -> solve.Solution:
+        """Like `forward`, with residual, slip and covariance; see `holodrive.kinematics.solve.solve`."""
+        return solve.solve(self, speeds, steer, weights, wheel_sigma)
+
+    def inverse_acceleration(
+        self, twist: ArrayLike, accel: ArrayLike, centre: ArrayLike = (0.0, 0.0)
+    ) -> acceleration.WheelAcceleration:
+        """Wheel and steering rates for the rate of a twist; see `holodrive.kinematics.acceleration`."""
+        return acceleration.inverse_acceleration(self, about(twist, centre), about(accel, centre))
+
+    def forward_acceleration(
+        self,
+        speeds: ArrayLike,
+        rates: ArrayLike,
+        steer: ArrayLike | None = None,
+        steer_rates: ArrayLike | None = None,
+    ) -> Array:
+        """Rate of the twist (..., 3) from wheel and steering rates, least squares."""
+        return acceleration.forward_acceleration(self, speeds, rates, steer, steer_rates)
+
+    def saturate(self, twist: ArrayLike) -> limits.Applied:
+        """Twists (..., 3) scaled into what the wheels can do, direction kept; scale and binding wheel come along."""
+        return limits.saturate(self, twist)
+
+    def max_speed(self, direction: ArrayLike, omega: ArrayLike = 0.0) -> Array:
+        """Largest speed (...) [m/s] towards `direction` (...) [rad] while turning with `omega` (...) [rad/s]."""
+        return limits.max_speed(self, direction, omega)
+
+    @cached_property
+    def polytope(self) -> Polytope:
+        """The set of twists that the wheel speed limits allow."""
+        return Polytope(self)
 
     def wheel_rows(self, twist: ArrayLike) -> Array:
         """J . twist, (..., rows) in the units of the rows."""

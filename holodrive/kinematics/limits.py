@@ -93,3 +93,25 @@ def _fixed_interval(p: Array, q: Array, bound: float) -> tuple[Array, Array]:
     low, high = (-bound - q * sign) / slope, (bound - q * sign) / slope
     inside = np.where(np.abs(q) <= bound, np.inf, np.nan)
     return np.where(free, -inside, low), np.where(free, inside, high)
+
+
+def desaturate(speeds: ArrayLike, max_speed: ArrayLike) -> Array:
+    """Wheel speeds (..., n) scaled by one common factor so that none exceeds `max_speed` (one or (n,), same unit)."""
+    speeds = np.asarray(speeds, dtype=np.float64)
+    worst = np.max(np.abs(speeds) / max_speed, axis=-1, keepdims=True)
+    return np.asarray(speeds / np.maximum(1.0, worst))
+
+
+def desaturate_by_chassis(
+    speeds: ArrayLike, wanted: ArrayLike, max_wheel: float, max_translation: float, max_rotation: float
+) -> Array:
+    """Wheel speeds (..., n) scaled as WPILib does it when the stick, not the wheel, shall have the whole range.
+
+    The wanted twist (..., 3) fills some share of the base's own limits; the fastest wheel gets that share of its.
+    """
+    speeds, wanted = np.asarray(speeds, dtype=np.float64), np.asarray(wanted, dtype=np.float64)
+    fastest = np.max(np.abs(speeds), axis=-1)
+    moving = np.hypot(wanted[..., 0], wanted[..., 1]) / max_translation
+    share = np.minimum(1.0, np.maximum(moving, np.abs(wanted[..., 2]) / max_rotation))
+    scale = np.where(fastest > 0.0, share * max_wheel / np.where(fastest > 0.0, fastest, 1.0), 1.0)
+    return np.asarray(speeds * scale[..., None])

@@ -1,0 +1,92 @@
+"""Second order: how fast wheels must speed up and modules must steer for an acceleration of the body, and back.
+
+`accel` is the rate of change of the twist's components in `base_link`, (d vx/dt, d vy/dt, d omega/dt). The base turns
+under those axes, so the ground sees omega x v besides; `contact` includes it and the centripetal -omega^2 r.
+"""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from holodrive.types import Array
+
+if TYPE_CHECKING:
+    from holodrive.kinematics.chassis import Chassis
+
+
+class WheelAcceleration(NamedTuple):
+    """Rates of wheel motion.
+
+    Attributes:
+        speeds: (..., n) rates of the wheel speeds [rad/s^2].
+        steer: (..., m) rates of the steering angles [rad/s].
+        contact: (..., n, 2) acceleration of each contact point over the ground, in `base_link` axes [m/s^2].
+    """
+
+    speeds: Array
+    steer: Array
+    contact: Array
+
+
+def inverse_acceleration(chassis: "Chassis", twist: Array, accel: Array) -> WheelAcceleration:
+    """Body -> wheels, for a base with `twist` (..., 3) and `accel` (..., 3).
+
+    A module at rest is taken to point along its acceleration; its steering rate is 0 there.
+    """
+    twist, accel = np.broadcast_arrays(twist, accel)
+    rate = chassis.wheel_rows(accel)
+    contact = _contact(chassis, twist, accel)
+    if not chassis.steered:
+        return WheelAcceleration(rate, np.empty((*rate.shape[:-1], 0)), contact)
+    rows = chassis.wheel_rows(twist)
+    along, across = rows[..., chassis.steered_rows], rows[..., chassis.steered_rows + 1]
+    d_along, d_across = rate[..., chassis.steered_rows], rate[..., chassis.steered_rows + 1]
+    speed = np.hypot(along, across)
+    rest = speed == 0.0
+    safe = np.where(rest, 1.0, speed)
+    change = np.where(rest, np.hypot(d_along, d_across), (along * d_along + across * d_across) / safe)
+    steer = np.where(rest, 0.0, (along * d_across - across * d_along) / safe / safe)
+    speeds = rate[..., chassis.row]
+    index = list(chassis.steered)
+    speeds[..., index] = change / chassis.radii[index]
+    return WheelAcceleration(speeds, steer, contact)
+
+
+def forward_acceleration(
+    chassis: "Chassis",
+    speeds: ArrayLike,
+    rates: ArrayLike,
+    steer: ArrayLike | None = None,
+    steer_rates: ArrayLike | None = None,
+) -> Array:
+    """Wheels -> body: rate (..., 3) of the twist's components, by least squares.
+
+    Args:
+        chassis: the base.
+        speeds: (..., n) wheel speeds [rad/s] (they matter for steered wheels only).
+        rates: (..., n) their rates [rad/s^2].
+        steer: (..., m) steering angles [rad].
+        steer_rates: (..., m) their rates [rad/s]; 0 when not given.
+    """
+    rows = chassis.rows_of(rates, steer)
+    if chassis.steered and steer_rates is not None:
+        # a steering wheel turns its speed: add w r d'(-sin d, cos d)
+        index = list(chassis.steered)
+        turned = chassis.rows_of(speeds, np.asarray(steer, dtype=np.float64) + 0.5 * np.pi)
+        rows = np.array(np.broadcast_to(rows, np.broadcast_shapes(rows.shape, turned.shape)))
+        rate = np.asarray(steer_rates, dtype=np.float64)
+        for j in range(len(index)):
+            at = chassis.steered_rows[j]
+            rows[..., at] += turned[..., at] * rate[..., j]
+            rows[..., at + 1] += turned[..., at + 1] * rate[..., j]
+    return np.asarray(rows @ chassis.least_squares.T)
+
+
+def _contact(chassis: "Chassis", twist: Array, accel: Array) -> Array:
+    """Acceleration (..., n, 2) of the contact points over the ground: d(v + omega x r)/dt + omega x (v + omega x r)."""
+    x = np.array([wheel.x for wheel in chassis.wheels])
+    y = np.array([wheel.y for wheel in chassis.wheels])
+    omega, alpha = twist[..., 2:3], accel[..., 2:3]
+    vx, vy = twist[..., 0:1] - omega * y, twist[..., 1:2] + omega * x
+    return np.stack([accel[..., 0:1] - alpha * y - omega * vy, accel[..., 1:2] + alpha * x + omega * vx], axis=-1)
