@@ -24,13 +24,13 @@ _WHERE = {
     "simulate": "holodrive.build",
     "drive": "holodrive.build",
     "rollout": "holodrive.build",
-    "report": "holodrive.build",
+    "report": "holodrive.reports",
     "replay": "holodrive.build",
     "rerun": "holodrive.build",
-    "compare": "holodrive.build",
-    "render": "holodrive.build",
-    "export": "holodrive.build",
-    "read": "holodrive.build",
+    "compare": "holodrive.log",
+    "render": "holodrive.reports",
+    "export": "holodrive.reports",
+    "read": "holodrive.log",
     "Chassis": "holodrive.kinematics",
     "Wheel": "holodrive.kinematics",
     "Robot": "holodrive.robots.spec",
@@ -93,23 +93,12 @@ __all__ = [
 
 if TYPE_CHECKING:
     from holodrive import control, errors, estimation, geometry, kinematics, planning, references, robots, worlds
-    from holodrive.build import (
-        compare,
-        drive,
-        export,
-        load,
-        read,
-        render,
-        replay,
-        report,
-        rerun,
-        rollout,
-        simulate,
-        world,
-    )
+    from holodrive.build import drive, load, replay, rerun, rollout, simulate, world
     from holodrive.errors import HolodriveError
     from holodrive.kinematics import Chassis, Wheel
+    from holodrive.log import compare, read
     from holodrive.log.run import Run
+    from holodrive.reports import export, render, report
     from holodrive.robots.spec import Robot
     from holodrive.types import (
         Decision,

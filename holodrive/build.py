@@ -1,0 +1,318 @@
+"""Composition root: names become objects. The only module that knows every kind.
+
+These are the verbs of the package (`hd.load`, `hd.simulate`, `hd.drive` ...); the command line calls them too.
+"""
+
+import hashlib
+import json
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from holodrive import __version__, control, estimation, metrics, planning, references, robots, worlds
+from holodrive import log as logs
+from holodrive.errors import InputError, LogError
+from holodrive.interfaces import Base, Controller, ControllerPlug, Estimator
+from holodrive.log.run import Run
+from holodrive.robots.spec import Robot
+from holodrive.runtime import Loop, RealTime, Sink
+from holodrive.types import Pose
+from holodrive.worlds.spec import World
+
+if TYPE_CHECKING:
+    from holodrive.sim import Rollout, SimBase
+
+Plant = Literal["first_order", "slip"]
+DEFAULT_DURATION_S = 60.0
+AFTER_TRAJECTORY_S = 2.0  # for the robot to settle at the end
+
+
+def load(name_or_path: str | Path | Robot, overrides: dict[str, Any] | None = None) -> Robot:
+    """A robot by catalog name or file; `overrides` like {"wheel.front.radius": "50 mm"} come on top.
+
+    Raises:
+        UnknownName: no such robot in the catalog.
+        FileFaults: the file has faults, all of them at once.
+    """
+    return name_or_path if isinstance(name_or_path, Robot) else robots.load(name_or_path, overrides)
+
+
+def world(name_or_path: str | Path | World | None) -> World:
+    """A world by catalog name or file; None is the open floor.
+
+    Raises:
+        UnknownName, FileFaults: as `load`.
+    """
+    return _world(name_or_path)
+
+
+def simulate(
+    robot: str | Path | Robot,
+    world: str | Path | World | None = None,
+    *,
+    plant: Plant = "first_order",
+    seed: int = 0,
+    start: ArrayLike | None = None,
+    dt_s: float = 1e-3,
+) -> "SimBase":
+    """A simulated base to drive.
+
+    Args:
+        robot, world: by name, file or value; no world is the open floor.
+        plant: "first_order" (wheels follow with a lag, no slip) or "slip" (motors, grip, battery).
+        seed: of all noise.
+        start: pose (x, y, theta) in the world; the world's own when None.
+        dt_s: physics step.
+    """
+    from holodrive.sim import SimBase
+
+    return SimBase(load(robot), _world(world), plant=plant, seed=seed, start=start, dt_s=dt_s)
+
+
+def drive(
+    base: Base,
+    controller: str | Controller = "go_to_pose",
+    *,
+    goal: ArrayLike | None = None,
+    waypoints: ArrayLike | None = None,
+    trajectory: references.Table | None = None,
+    estimator: str | Estimator = "wheel_odometry",
+    params: dict[str, Any] | None = None,
+    duration_s: float | None = None,
+    log: str | Path | None = None,
+    stop_on_arrival: bool = True,
+    real_time: bool = False,
+    progress: Callable[[float], None] | None = None,
+) -> Run:
+    """Drive a base until arrival, a fault, Ctrl-C or `duration_s`, and give the whole run.
+
+    Args:
+        base: from `simulate`, or a real one.
+        controller: a name of `control.names()` or an object with `step` and `reset`.
+        goal: (x, y) keeps the heading, (x, y, theta) turns; the world's goal when nothing is said.
+        waypoints: (K, 2 or 3) to pass, the last to stop at.
+        trajectory: a table from `planning` or `references`.
+        estimator: a name of `estimation.names()` or an object with `step` and `reset`.
+        params: of the controller, over its defaults.
+        duration_s: on the robot's clock; 60 s, or a trajectory's length and 2 s, when None.
+        log: MCAP file to write.
+        stop_on_arrival: end when the controller says it is there (default); a trajectory runs to its end either way.
+        real_time: keep to the wall clock.
+        progress: called with the time of each tick [s].
+
+    Raises:
+        InputError: names, goals or parameters that cannot be.
+    """
+    robot, place = base.robot, getattr(base, "world", None)
+    start = Pose(*getattr(base, "truth", Pose(0.0, 0.0, 0.0)))
+    table = _reference(place, start, goal, waypoints, trajectory)
+    length = _length(duration_s, table)
+    asked_for_nothing = goal is None and waypoints is None and trajectory is None
+    if isinstance(controller, str):
+        params = _arrival(place, controller, params, asked_for_nothing)
+    settings = _settings(base, controller, estimator, params, table, start, length, stop_on_arrival)
+    driver = control.controller(controller, robot, params) if isinstance(controller, str) else controller
+    believer = estimation.estimator(estimator, robot) if isinstance(estimator, str) else estimator
+    builder = logs.RunBuilder(robot, place, settings)
+    recorder = logs.Recorder(log, robot, place, settings) if log is not None else None
+    try:
+        sinks: tuple[Sink, ...] = (builder, recorder) if recorder else (builder,)
+        loop = Loop(base, driver, believer, references.ReferenceFollower(table), sinks)
+        loop.reset(start)
+        ending = loop.run(
+            length, stop_on_arrival=stop_on_arrival, pace=RealTime() if real_time else None, progress=progress
+        )
+        run = builder.build()
+        values = {**metrics.of_run(run), "ended_at_s": ending.time}
+        if recorder:
+            recorder.close(values)
+        return replace(run, metrics=values, settings={**settings, "ended": ending.why}, path=Path(log) if log else None)
+    finally:
+        if recorder:
+            recorder.close()
+        base.close()
+
+
+def rollout(
+    robot: str | Path | Robot,
+    world: str | Path | World | Sequence[World] | None = None,
+    controller: str | ControllerPlug = "go_to_pose",
+    *,
+    n: int = 1,
+    params: Any = None,
+    **options: Any,
+) -> "Rollout":
+    """Many runs at once, compiled; the options are those of `holodrive.sim.rollout`.
+
+    Args:
+        robot, world: by name, file or value; a list of n worlds gives each run its own.
+        controller: a name of `control.names()`, or any plug with a kernel.
+        n: how many robots.
+        params: a dict over the controller's defaults; or packed, (p,) or (n, p).
+    """
+    from holodrive import sim
+
+    place = [_world(one) for one in world] if isinstance(world, list | tuple) else _world(world)  # type: ignore[arg-type]
+    if isinstance(controller, str):
+        controller = control.plug(controller, params if isinstance(params, dict) else None)
+    packed = None if isinstance(params, dict) else params
+    return sim.rollout(load(robot), place, controller, n=n, params=packed, **options)
+
+
+class Rerun(NamedTuple):
+    """A recorded run, the same run computed anew, and where they differ (nowhere, when all is well)."""
+
+    recorded: Run
+    again: Run
+    differences: tuple[logs.Difference, ...]
+
+
+def rerun(run: str | Path | Run, progress: Callable[[float], None] | None = None) -> Rerun:
+    """Compute a recorded run anew from what its log says of itself, and compare number by number.
+
+    Raises:
+        LogError: the log is of a real robot, or its controller is not one that has a name.
+    """
+    recorded = run if isinstance(run, Run) else logs.read(run)
+    settings = recorded.settings
+    if "plant" not in settings:
+        raise LogError("this log does not say how it was simulated; only simulated runs can be run again")
+    if settings["controller"] not in control.names():
+        raise LogError(f"this run was driven by {settings['controller']!r}, which has no registered name to find it by")
+    base = simulate(
+        recorded.robot,
+        recorded.world,
+        plant=settings["plant"],
+        seed=settings["seed"],
+        start=settings["start"],
+        dt_s=settings["dt_s"],
+    )
+    again = drive(
+        base,
+        settings["controller"],
+        trajectory=planning.from_recipe(settings["reference"]),
+        estimator=settings["estimator"],
+        params=settings["params"],
+        duration_s=settings["duration_s"],
+        stop_on_arrival=settings["stop_on_arrival"],
+        progress=progress,
+    )
+    return Rerun(recorded, again, logs.compare(recorded, again))
+
+
+def replay(path: str | Path, run: str | None = None, robot: str | Path | Robot | None = None) -> "Evaluation":
+    """A recording of a real robot (or one of our logs): integrate its wheel odometry, judge it by the truth in it.
+
+    Args:
+        path: a recording in any known format (docs/recordings.md), or the name of one that ships.
+        run: which run of a file that holds several.
+        robot: whose geometry to use; the recording's own when None.
+
+    Raises:
+        LogError: nothing there, or nothing that can be read.
+        FileFaults: a recording of the user's with faults, all of them at once.
+    """
+    from holodrive.log import recordings
+
+    recording = recordings.read(path, run)
+    return estimation.evaluate(recording, load(robot if robot is not None else recording.robot))
+
+
+def _settings(
+    base: Base,
+    controller: str | Controller,
+    estimator: str | Estimator,
+    params: dict[str, Any] | None,
+    table: references.Table,
+    start: Pose,
+    length: float,
+    stop_on_arrival: bool,
+) -> dict[str, Any]:
+    """What it takes to repeat the run; its `id` is a hash of all that, robot and world included."""
+    settings: dict[str, Any] = {
+        "version": __version__,
+        "robot": base.robot.name,
+        "world": getattr(getattr(base, "world", None), "name", ""),
+        "controller": controller if isinstance(controller, str) else type(controller).__name__,
+        "estimator": estimator if isinstance(estimator, str) else type(estimator).__name__,
+        "params": params or {},
+        "reference": table.recipe,
+        "start": [float(value) for value in start],
+        "duration_s": length,
+        "stop_on_arrival": stop_on_arrival,
+    }
+    for name in ("plant", "seed", "dt_s"):
+        if hasattr(base, name):
+            settings[name] = getattr(base, name)
+    whole = json.dumps([settings, base.robot.text, getattr(getattr(base, "world", None), "text", "")], default=str)
+    settings["id"] = hashlib.blake2b(whole.encode(), digest_size=4).hexdigest()
+    return settings
+
+
+def _length(duration_s: float | None, table: references.Table) -> float:
+    length = duration_s
+    if length is None:
+        length = table.duration_s + AFTER_TRAJECTORY_S if table.duration_s else DEFAULT_DURATION_S
+    if not (length > 0.0 and math.isfinite(length)):
+        raise InputError(f"a run takes a time above 0; found {length} s")
+    return length
+
+
+def _reference(
+    place: World | None,
+    start: Pose,
+    goal: ArrayLike | None,
+    waypoints: ArrayLike | None,
+    trajectory: references.Table | None,
+) -> references.Table:
+    """The one reference that was asked for; the world's goal when nothing was."""
+    asked = [
+        name
+        for name, value in (("goal", goal), ("waypoints", waypoints), ("trajectory", trajectory))
+        if value is not None
+    ]
+    if len(asked) > 1:
+        raise InputError(f"a run has one reference; found {' and '.join(asked)}")
+    if trajectory is not None:
+        return trajectory
+    if waypoints is not None:
+        return references.waypoints(
+            [_pose(point, start, "a way point") for point in np.atleast_2d(np.asarray(waypoints, float))]
+        )
+    if goal is not None:
+        return references.fixed_goal(_pose(np.asarray(goal, float), start, "a goal"))
+    if place is None or place.goal is None:
+        where = f"world {place.name!r}" if place else "the base"
+        raise InputError(
+            f"{where} has no goal; give one: goal=(x, y) or (x, y, theta), waypoints=... or trajectory=..."
+        )
+    pose = place.goal.pose
+    return references.fixed_goal(pose if place.goal.heading_matters else (pose.x, pose.y, start.theta))
+
+
+def _pose(value: Any, start: Pose, what: str) -> tuple[float, float, float]:
+    if value.shape not in ((2,), (3,)):
+        raise InputError(f"{what} is (x, y) or (x, y, theta); found {value.tolist()}")
+    return (float(value[0]), float(value[1]), float(value[2]) if len(value) == 3 else start.theta)
+
+
+def _arrival(place: World | None, controller: str, params: dict[str, Any] | None, own_goal: bool) -> dict[str, Any]:
+    """The world's tolerances become the controller's, where it has such parameters and the user did not say."""
+    given = dict(params or {})
+    if not own_goal or place is None or place.goal is None:
+        return given
+    known = {field.name for field in fields(control.plug_class(controller))}
+    wanted = {
+        "arrive_m": place.goal.tolerance_m,
+        "arrive_rad": place.goal.tolerance_rad if place.goal.heading_matters else math.pi,
+    }
+    return {**{name: value for name, value in wanted.items() if name in known}, **given}
+
+
+def _world(name_or_path: str | Path | World | None) -> World:
+    return name_or_path if isinstance(name_or_path, World) else worlds.load(name_or_path or "open")
