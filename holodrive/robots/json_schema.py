@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from holodrive.files.edge import Form
 from holodrive.files.json_schema import Schema, by_name, definitions, document, ref, text
 from holodrive.robots import motors, sensors
 from holodrive.robots.form import (
@@ -25,7 +26,7 @@ _PLACES = [{"required": ["x", "y"]}, {"required": ["distance", "bearing"]}]
 
 def robot() -> Schema:
     """Of robot files."""
-    forms = [RobotForm, WheelForm, MotorForm, EncoderForm, LidarForm, ImuForm, MouseForm]
+    forms: list[type[Form]] = [RobotForm, WheelForm, MotorForm, EncoderForm, LidarForm, ImuForm, MouseForm]
     parts = definitions([*forms, BatteryForm, GroundForm, LimitsForm, SpeedLoopForm])
     parts["At"]["oneOf"] = _PLACES
     for name in ("LidarForm", "ImuForm", "MouseForm"):
@@ -58,7 +59,7 @@ def motor() -> Schema:
 
 def sensor() -> Schema:
     """Of sensor files."""
-    kinds = {"lidar": LidarForm, "imu": ImuForm, "mouse": MouseForm, "encoder": EncoderForm}
+    kinds: dict[str, type[Form]] = {"lidar": LidarForm, "imu": ImuForm, "mouse": MouseForm, "encoder": EncoderForm}
     found = document(
         "holodrive sensor file",
         {name: ref(form) for name, form in kinds.items()},

@@ -234,3 +234,8 @@ class Robot:
     def steered(self) -> tuple[int, ...]:
         """Indices of the steered wheels; steering arrays (m,) have this order."""
         return tuple(i for i, wheel in enumerate(self.wheels) if wheel.kind == "swerve")
+
+    def _repr_html_(self) -> str:
+        from holodrive.robots.drawing import robot_svg
+
+        return robot_svg(self)

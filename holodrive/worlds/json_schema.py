@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from holodrive.files.edge import Form
 from holodrive.files.json_schema import Schema, definitions, document, ref, text
 from holodrive.worlds.checks import ACCEPTABLE
 from holodrive.worlds.form import ArenaForm, BoxForm, CircleForm, GoalForm, MoverForm, StartForm, WallForm, WorldForm
@@ -12,8 +13,8 @@ FOLDER = Path(__file__).parent
 
 def world() -> Schema:
     """Of world files."""
-    single = {"world": WorldForm, "arena": ArenaForm, "start": StartForm, "goal": GoalForm}
-    lists = {"circle": CircleForm, "wall": WallForm, "box": BoxForm, "mover": MoverForm}
+    single: dict[str, type[Form]] = {"world": WorldForm, "arena": ArenaForm, "start": StartForm, "goal": GoalForm}
+    lists: dict[str, type[Form]] = {"circle": CircleForm, "wall": WallForm, "box": BoxForm, "mover": MoverForm}
     parts = definitions([*single.values(), *lists.values()])
     parts["WorldForm"]["properties"]["accept"]["items"] = {"enum": list(ACCEPTABLE)}
     parts["ArenaForm"]["dependencies"] = {"width": ["height"], "height": ["width"]}

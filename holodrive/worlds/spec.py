@@ -104,3 +104,8 @@ class World:
         corners = [(x, y), (x + w, y), (x + w, y + h), (x, y + h), (x, y)]
         names = ("south wall", "east wall", "north wall", "west wall")
         return tuple(Segment(*a, *b, name) for a, b, name in zip(corners, corners[1:], names, strict=False))
+
+    def _repr_html_(self) -> str:
+        from holodrive.worlds.drawing import world_svg
+
+        return world_svg(self)
