@@ -33,7 +33,7 @@ VERBS = {
 EPILOG = """\b
 Start with:
   holodrive demo
-  holodrive run hybrid3 -w course_fixed -o run.mcap
+  holodrive run hybrid3 -w paper_course -o run.mcap
   holodrive VERB --help
 """
 
@@ -90,9 +90,10 @@ def app(ctx: click.Context, quiet: bool, verbose: bool) -> None:
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and give its exit code; nothing that a user can cause leaves as a traceback."""
     out = Output()
+    out.arguments = list(sys.argv[1:] if arguments is None else arguments)
     try:
         result = app.main(
-            args=list(arguments) if arguments is not None else None,
+            args=out.arguments,
             prog_name="holodrive",
             standalone_mode=False,
             obj=out,

@@ -3,6 +3,8 @@
 import json
 import math
 import os
+import re
+import shutil
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -11,7 +13,7 @@ from typing import Any
 
 import click
 
-LABEL = 7  # characters of the first column
+LABEL = 8  # characters of the first column
 STEP_S = 5.0  # between two lines of progress in a pipe
 
 
@@ -20,6 +22,7 @@ class Output:
 
     def __init__(self) -> None:
         self.quiet = self.verbose = self.json = False
+        self.arguments: list[str] = []  # as the user gave them
 
     def set(self, quiet: bool = False, verbose: bool = False, json: bool = False) -> None:
         """Add what one level of the command line says."""
@@ -52,7 +55,7 @@ class Output:
 
     def next(self, text: str) -> None:
         """What to type next; the last line of every command."""
-        self.note(click.style(f"{'next':<{LABEL}}", dim=True) + text)
+        self.note(click.style(f"{'next':<{LABEL}}", dim=True) + re.sub(r"\bholodrive (?=[a-z])", program() + " ", text))
 
     @contextmanager
     def progress(self, label: str, total: float, unit: str = "") -> Iterator[Callable[[float], None]]:
@@ -73,6 +76,15 @@ def table(header: Sequence[str], rows: Sequence[Sequence[object]], left: int = 1
     pad = [str.ljust if i < left else str.rjust for i in range(len(header))]
     lines = ["  ".join(pad[i](cell, widths[i]) for i, cell in enumerate(row)).rstrip() for row in cells]
     return "\n".join(lines)
+
+
+def program() -> str:
+    """How this user can call holodrive from here: by name, or by path when it is not on PATH."""
+    called = sys.argv[0]
+    if os.path.basename(called) != "holodrive" or shutil.which("holodrive"):
+        return "holodrive"
+    near = os.path.relpath(called)
+    return called if near.startswith("..") else near
 
 
 def colour() -> bool | None:
@@ -119,10 +131,11 @@ def _bar(label: str, total: float, unit: str) -> Iterator[Callable[[float], None
 
 
 def _lines(out: Output, label: str, total: float, unit: str) -> Callable[[float], None]:
-    last = time.monotonic()
+    last = 0.0
 
     def update(done: float) -> None:
         nonlocal last
+        last = last or time.monotonic()  # counts from the first call: what comes before it is not progress
         if (now := time.monotonic()) - last > STEP_S:
             last = now
             out.note(f"{label:<{LABEL}}{100.0 * done / total:3.0f} %  {done:.1f} of {total:.1f} {unit}".rstrip())

@@ -1,5 +1,6 @@
 """Robots, worlds and outcomes in one line each."""
 
+import math
 from collections import Counter
 from typing import TYPE_CHECKING
 
@@ -27,16 +28,16 @@ def world_line(world: "World | None") -> str:
     return f"{world.name}   {size}, {count} obstacle{'s' * (count != 1)}"
 
 
+ASKED_FIRST = ("path_length_m", "min_clearance_m", "collisions", "final_error_m", "final_heading_error_rad")
+
+
 def outcome(run: "Run") -> str:
     """How a run ended, with the figures that people ask for first."""
-    m = run.metrics
-    parts = [f"{run.settings.get('ended', 'ended')} after {m.get('duration_s', run.time[-1]):.2f} s"]
-    for key, text in (
-        ("path_length_m", "path {:.2f} m"),
-        ("min_clearance_m", "nearest obstacle {:.2f} m"),
-        ("collisions", "collisions {:.0f}"),
-        ("final_error_m", "off the goal by {:.3f} m"),
-    ):
-        if key in m and abs(m[key]) < float("inf"):
-            parts.append(text.format(m[key]))
-    return "   ".join(parts)
+    from holodrive.log.words import with_unit, words
+
+    ended = run.settings.get("ended", "ended")
+    parts = [f"{ended} after {with_unit('time_s', run.metrics.get('time_s', float(run.time[-1])))}"]
+    for name in ASKED_FIRST:
+        if name in run.metrics and math.isfinite(run.metrics[name]):
+            parts.append(f"{words(name).label} {with_unit(name, run.metrics[name])}")
+    return ", ".join(parts)

@@ -1,7 +1,9 @@
 """`holodrive list`."""
 
+import math
 from collections.abc import Callable
 from importlib import import_module
+from typing import Any
 
 import click
 
@@ -16,23 +18,52 @@ def _described(library: str) -> Rows:
     return [(name, module.load(name).title) for name in module.names()]
 
 
-def _registered(package: str) -> Rows:
-    module = import_module(f"holodrive.{package}")
-    return [(name, module.summary(name)) for name in module.names()]
+def _controllers() -> Rows:
+    from holodrive import control
+
+    return [(name, _first_line(control.plug_class(name))) for name in control.names()]
 
 
-def _parts(library: str) -> Rows:
-    module = import_module(f"holodrive.robots.{library}")
-    return [(name, module.summary(name)) for name in module.names()]
+def _estimators() -> Rows:
+    from holodrive import estimation
+
+    return [(name, estimation.summary(name).rstrip(".")) for name in estimation.names()]
+
+
+def _motors() -> Rows:
+    from holodrive.robots import motors
+
+    rows = []
+    for name in motors.names():
+        motor = motors.load(name)
+        rpm = motor.no_load_speed_rad_s * 30.0 / math.pi
+        rows.append((name, f"{motor.kind}, {motor.voltage_v:g} V, {rpm:.0f} rpm behind the gear"))
+    return rows
+
+
+def _sensors() -> Rows:
+    from holodrive.robots import sensors
+
+    return [(name, _sensor_line(sensors.load(name))) for name in sensors.names()]
+
+
+def _sensor_line(sensor: Any) -> str:
+    kind = type(sensor).__name__.lower()
+    source = str(sensor.source).partition("; ")[0]
+    return f"{kind}, {source}" if source else kind
+
+
+def _first_line(thing: Any) -> str:
+    return (thing.__doc__ or "").strip().partition("\n")[0].rstrip(".")
 
 
 KINDS: dict[str, Callable[[], Rows]] = {
     "robots": lambda: _described("robots"),
     "worlds": lambda: _described("worlds"),
-    "controllers": lambda: _registered("control"),
-    "estimators": lambda: _registered("estimation"),
-    "motors": lambda: _parts("motors"),
-    "sensors": lambda: _parts("sensors"),
+    "controllers": _controllers,
+    "estimators": _estimators,
+    "motors": _motors,
+    "sensors": _sensors,
 }
 
 

@@ -1,11 +1,14 @@
 """`holodrive run`."""
 
+import math
+import shlex
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from holodrive.cli.compiling import compiling
 from holodrive.cli.options import (
     out_option,
     plant_option,
@@ -34,7 +37,7 @@ KEYS_DURATION_S = 3600.0
 @verb(
     "run",
     [
-        "hybrid3 -w course_fixed --via 0.5,0.5 --via 1,1.5 --via 0.5,4.5 -o run.mcap",
+        "hybrid3 -w paper_course --via 0.5,0.5 --via 1,1.5 --via 0.5,4.5 -o run.mcap",
         "mecanum4 --path infinity --size 150mm --speed '20 mm/s' --seed 1 --report run.html",
     ],
 )
@@ -70,22 +73,46 @@ def command(out: Output, **options: Any) -> None:
     if not out.json:
         out.line("robot", robot_line(robot))
         out.line("world", world_line(base.world))
-    began = time.perf_counter()
-    run = _by_keys(out, base, options) if options["keys"] else _by_controller(out, base, params, options)
-    wall = time.perf_counter() - began
+    clock = Clock()
+    run = _by_keys(out, base, options) if options["keys"] else _by_controller(out, base, params, options, clock)
+    wall = clock.seconds()
+    run.settings["command"] = shlex.join(["holodrive", *out.arguments])
     if options["report_path"]:
         hd.report(run).save(options["report_path"])
     _say(out, run, wall, options)
 
 
-def _by_controller(out: Output, base: "SimBase", params: dict[str, Any], options: dict[str, Any]) -> "Run":
+class Clock:
+    """Wall time since the first tick, without what comes before it (compiling, most of all)."""
+
+    def __init__(self) -> None:
+        self.began: float | None = None
+
+    def tick(self) -> None:
+        """The run has begun."""
+        if self.began is None:
+            self.began = time.perf_counter()
+
+    def seconds(self) -> float:
+        """Since the first tick; NaN when there was none."""
+        return time.perf_counter() - self.began if self.began is not None else math.nan
+
+
+def _by_controller(
+    out: Output, base: "SimBase", params: dict[str, Any], options: dict[str, Any], clock: Clock
+) -> "Run":
     import holodrive as hd
 
     goals = _goals(base, options)
     duration = quantity_of(options["duration"], "--duration", "time") if options["duration"] else None
     trajectory = goals.get("trajectory")
     length = duration or (trajectory.duration_s + 2.0 if trajectory else 60.0)
-    with out.progress("run", length, "s simulated") as update:
+    with compiling(out), out.progress("run", length, "s simulated") as update:
+
+        def progress(done: float) -> None:
+            clock.tick()
+            update(done)
+
         return hd.drive(
             base,
             options["controller"],
@@ -94,7 +121,7 @@ def _by_controller(out: Output, base: "SimBase", params: dict[str, Any], options
             duration_s=duration,
             log=options["path"],
             real_time=options["real_time"],
-            progress=update,
+            progress=progress,
         )
 
 
@@ -145,7 +172,8 @@ def _say(out: Output, run: "Run", wall_s: float, options: dict[str, Any]) -> Non
         out.data({"settings": run.settings, "metrics": run.metrics, "wall_s": wall_s, "log": path, "report": report})
     else:
         kind = f"{run.settings['controller']}, {options['plant']}, seed {options['seed']}"
-        out.line("run", f"{kind}: {simulated:.2f} s simulated, {simulated / wall_s:.0f}x real time")
+        speed = f", {simulated / wall_s:.0f}x real time" if wall_s > 0.0 and not options["keys"] else ""
+        out.line("run", f"{kind}: {simulated:.2f} s simulated{speed}")
         out.line("result", outcome(run))
         if path:
             out.line("log", f"{path} ({Path(path).stat().st_size / 1e6:.1f} MB, id {run.settings['id']})")
