@@ -10,7 +10,7 @@ from holodrive.types import Array
 
 
 def element(name: str, *children: str, **attributes: object) -> str:
-    """`<name a="b">children</name>`; `_` in attribute names becomes `-`, a trailing `_` is dropped, None is left out."""
+    """`<name a="b">children</name>`; `_` in attribute names becomes `-`, a trailing `_` goes, None is left out."""
     text = "".join(
         f' {key.rstrip("_").replace("_", "-")}="{_value(value)}"'
         for key, value in attributes.items()
@@ -90,7 +90,7 @@ def ticks(low: float, high: float, count: int = 5) -> tuple[Array, int]:
     power = 10.0 ** math.floor(math.log10(raw))
     step = power * min((1, 2, 5, 10), key=lambda m: abs(math.log(m * power / raw)))
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-    return np.arange(first, last + 1) * step, max(0, -math.floor(math.log10(step) + 1e-9))
+    return np.arange(first, last + 1, dtype=np.float64) * step, max(0, -math.floor(math.log10(step) + 1e-9))
 
 
 def number(value: float, decimals: int) -> str:

@@ -72,3 +72,9 @@ class Run:
     metrics: dict[str, float] = field(default_factory=dict)
     path: Path | None = None
     damage: str = ""
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the metrics and the path over the world."""
+        from holodrive.log.drawing import notebook
+
+        return notebook(self)

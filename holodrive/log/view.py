@@ -126,15 +126,18 @@ def grid(view: View) -> str:
     )
 
 
-def scale_bar(view: View) -> str:
-    """A bar of a round length at the lower right, outside the plot area."""
+def scale_bar_length(view: View) -> tuple[float, str]:
+    """A round length [m] of up to a third of the plot's width, and how it is told."""
     lengths, decimals = svg.ticks(0.0, 0.3 * view.width / view.scale, 2)
     length = float(lengths[-1])
-    if length <= 0.0:
-        return ""
+    return length, f"{svg.number(length, decimals)} m" if length >= 0.1 else f"{svg.number(1e3 * length, 0)} mm"
+
+
+def scale_bar(view: View) -> str:
+    """A bar of a round length at the lower right, outside the plot area."""
+    length, label = scale_bar_length(view)
     right, row = view.left + view.width, view.top + view.height + 26
     left = right - length * view.scale
-    label = f"{svg.number(length, decimals)} m" if length >= 0.1 else f"{svg.number(1e3 * length, 0)} mm"
     bar = f"M{left:.1f} {row - 4:.1f}v8M{left:.1f} {row:.1f}H{right:.1f}M{right:.1f} {row - 4:.1f}v8"
     return svg.element("path", class_="ink-line", d=bar, stroke="#3c4654", stroke_width=1.5, fill="none") + svg.text(
         left - 6, row + 4, label, text_anchor="end", **_NUMBER

@@ -100,8 +100,8 @@ def with_unit(name: str, value: float) -> str:
 
 
 def joined(text: str, unit: str) -> str:
-    """Number and unit, with a narrow no-break space where there is one in print."""
-    return text if not unit or text == "—" else f"{text}{unit}" if unit == "°" else f"{text}\u202f{unit}"
+    """Number and unit, with a no-break space where there is a space in print."""
+    return text if not unit or text == "—" else f"{text}{unit}" if unit == "°" else f"{text}\u00a0{unit}"
 
 
 def ordered(metrics: Mapping[str, float]) -> list[str]:

@@ -1,5 +1,30 @@
 """REPORT: runs as pages, pictures, films and tables. Works without a display."""
 
+from holodrive.reports.exporting import export
 from holodrive.reports.page import Report, report
+from holodrive.reports.rendering import render
+from holodrive.reports.sections import (
+    ComparisonSection,
+    RecordingSection,
+    RunSection,
+    Section,
+    TableSection,
+    TextSection,
+)
+from holodrive.reports.tables import Table, metric_table, table
 
-__all__ = ["Report", "report"]
+__all__ = [
+    "ComparisonSection",
+    "RecordingSection",
+    "Report",
+    "RunSection",
+    "Section",
+    "Table",
+    "TableSection",
+    "TextSection",
+    "export",
+    "metric_table",
+    "render",
+    "report",
+    "table",
+]

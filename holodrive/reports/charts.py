@@ -67,39 +67,25 @@ def wheels(run: Run) -> tuple[Chart, ...]:
     both = np.concatenate([run.wheel_commands.ravel(), run.wheel_speeds.ravel()])
     both = both[np.isfinite(both)]
     low, high = (float(both.min()), float(both.max())) if len(both) else (None, None)
+    # four charts stand better as two and two
+    size = (460.0, 200.0) if len(run.robot.wheels) in (2, 4) else (350.0, 180.0)
     return tuple(
-        Chart(
-            wheel.name,
-            "rad/s",
-            (
-                Line("commanded", run.time, run.wheel_commands[:, i], i, pale=True),
-                Line("measured", run.time, run.wheel_speeds[:, i], i),
-            ),
-            low=low,
-            high=high,
-            width=350.0,
-            height=180.0,
-        )
+        Chart(wheel.name, "rad/s", _pair(i, run.time, run.wheel_commands[:, i], run.wheel_speeds[:, i]), low=low,
+              high=high, width=size[0], height=size[1])
         for i, wheel in enumerate(run.robot.wheels)
-    )
+    )  # fmt: skip
 
 
 def steering(run: Run) -> tuple[Chart, ...]:
     """One small chart a steered wheel: commanded and measured angle."""
+    size = (460.0, 200.0) if len(run.robot.steered) in (2, 4) else (350.0, 180.0)
+    degrees, wanted = np.degrees(run.steer), np.degrees(run.steer_commands)
     return tuple(
-        Chart(
-            run.robot.wheels[wheel].name,
-            "°",
-            (
-                Line("commanded", run.time, np.degrees(run.steer_commands[:, i]), wheel, pale=True),
-                Line("measured", run.time, np.degrees(run.steer[:, i]), wheel),
-            ),
-            width=350.0,
-            height=180.0,
-        )
+        Chart(run.robot.wheels[wheel].name, "°", _pair(wheel, run.time, wanted[:, i], degrees[:, i]), width=size[0],
+              height=size[1])
         for i, wheel in enumerate(run.robot.steered)
         if i < run.steer.shape[1]
-    )
+    )  # fmt: skip
 
 
 def effort(run: Run) -> tuple[Chart, ...]:
@@ -137,6 +123,10 @@ def compared(runs: Sequence[Run], names: Sequence[str]) -> tuple[Chart, ...]:
         Chart("Largest duty of a wheel", "%", _many(names, times, peaks), low=0.0, high=100.0),
     )
     return tuple(chart for chart in charts if chart.known())
+
+
+def _pair(colour: int, time: Array, commanded: Array, measured: Array) -> tuple[Line, ...]:
+    return Line("commanded", time, commanded, colour, pale=True), Line("measured", time, measured, colour)
 
 
 def _many(names: Sequence[str], times: Sequence[Array], values: Sequence[Array]) -> tuple[Line, ...]:

@@ -39,7 +39,8 @@ class Report:
             "img-src data:; base-uri 'none'; form-action 'none'"
         )
         body = "".join(
-            f'<section id="s{i}" aria-label="{escape(section.title)}">{self._heading(section)}{section.html()}</section>'
+            f'<section id="s{i}" aria-label="{escape(section.title)}">'
+            f"{self._heading(section)}{section.html()}</section>"
             for i, section in enumerate(self.sections)
         )
         lead = f'<p class="lead">{escape(self.lead)}</p>' if self.lead else ""
@@ -49,7 +50,8 @@ class Report:
             '<meta name="viewport" content="width=device-width, initial-scale=1">'
             f"<title>{escape(self.title)}</title><style>{style}</style></head>\n<body>"
             f'<header class="masthead"><div><h1>{escape(self.title)}</h1>{lead}</div></header>{self._contents()}'
-            f"<main>{body}</main><footer>Made by holodrive {__version__}. One file, no network: keep it, mail it, print it.</footer>"
+            f"<main>{body}</main><footer>Made by holodrive {__version__}. "
+            "One file, no network: keep it, mail it, print it.</footer>"
             f"<script>{script}</script></body></html>\n"
         )
 
@@ -85,7 +87,7 @@ def report(content: Run | Section | Iterable[Run | Section], title: str = "", le
         title: of the page; by default what ran.
         lead: one or two sentences under the title.
     """
-    items = [content] if isinstance(content, Run) or hasattr(content, "html") else list(content)  # type: ignore[arg-type]
+    items = [content] if isinstance(content, Run) or hasattr(content, "html") else list(content)
     if not items:
         raise InputError("a report needs at least one run or section, found none")
     runs = [item for item in items if isinstance(item, Run)]

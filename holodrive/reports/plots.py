@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -116,7 +117,7 @@ class Axes:
         limits = [np.array([v]) for v in (chart.low, chart.high) if v is not None]
         y0, y1 = _range(np.concatenate([*values, *limits]) if values or limits else np.zeros(0))
         air = 0.06 * (y1 - y0)
-        y0 = y0 if y0 == chart.low or y0 == 0.0 else y0 - air
+        y0 = y0 if y0 in (chart.low, 0.0) else y0 - air
         y1 = y1 if y1 == chart.high else y1 + air
         top = _TOP if len(lines) > 1 or any(line.name for line in lines) else _TOP - 18.0
         return cls(_LEFT, top, chart.width - _LEFT - _RIGHT, chart.height - top - _BOTTOM, x0, x1, y0, y1)
@@ -156,7 +157,7 @@ class Axes:
 
 
 def decimate(x: Array, y: Array, buckets: int) -> tuple[Array, Array]:
-    """First, least, greatest and last value of each of `buckets` equal stretches, in order: peaks stay, NaN stays a gap.
+    """First, least, greatest and last value of each of `buckets` equal stretches, in order: peaks and gaps stay.
 
     Returns x and y unchanged when there are fewer than four values a bucket.
     """
@@ -164,7 +165,7 @@ def decimate(x: Array, y: Array, buckets: int) -> tuple[Array, Array]:
         return x, y
     edges = np.linspace(0, len(x), buckets + 1).astype(np.int64)
     keep: list[int] = []
-    for a, b in zip(edges[:-1], edges[1:], strict=True):
+    for a, b in pairwise(edges.tolist()):
         piece = y[a:b]
         good = np.flatnonzero(np.isfinite(piece))
         picks = [0, b - a - 1]
@@ -172,7 +173,7 @@ def decimate(x: Array, y: Array, buckets: int) -> tuple[Array, Array]:
             picks += [int(good[np.argmin(piece[good])]), int(good[np.argmax(piece[good])])]
             if len(good) < len(piece):
                 picks.append(int(np.flatnonzero(~np.isfinite(piece))[0]))  # the gap is seen even if it is short
-        keep += [int(a) + i for i in sorted(set(picks))]
+        keep += [a + i for i in sorted(set(picks))]
     index = np.array(keep)
     return x[index], y[index]
 

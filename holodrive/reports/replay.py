@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from holodrive import svg
 from holodrive.geometry import compose
-from holodrive.log.drawing import best_pose, robot_shape, text_width
+from holodrive.log.drawing import best_pose
 from holodrive.log.run import Run
+from holodrive.log.shapes import robot_shape, text_width
 from holodrive.log.view import View
 from holodrive.reports.charts import position_error
 from holodrive.robots.spec import Robot
@@ -88,7 +89,7 @@ def scans(run: Run) -> dict[str, Any] | None:
     if not run.scans:
         return None
     some = run.scans[:: max(1, math.ceil(len(run.scans) / MOST_SCANS))]
-    count = min(MOST_BEAMS, min(len(scan.ranges) for scan in some))
+    count = min([MOST_BEAMS, *(len(scan.ranges) for scan in some)])
     if not count:
         return None
     pose = best_pose(run)
@@ -120,17 +121,15 @@ def pose_at(when: Array, time: Array, pose: Array) -> Array:
 
 def data(runs: Sequence[Run], names: Sequence[str], view: View, world: World | None) -> str:
     """Everything that the page's script needs, as JSON that may stand in a script element."""
+    movers = world.movers if world else ()
+    x, y = view.bounds[:2]
     content = {
-        "view": {
-            "x": view.bounds[0], "y": view.bounds[1], "scale": view.scale, "left": view.left, "base": view.top + view.height,
-        },
+        "view": {"x": x, "y": y, "scale": view.scale, "left": view.left, "base": view.top + view.height},
         "tracks": [track(run, name, close_up=len(runs) == 1) for run, name in zip(runs, names, strict=True)],
-        "movers": [
-            {"path": [[k.time, k.x, k.y] for k in mover.path], "loop": mover.loop} for mover in (world.movers if world else ())
-        ],
+        "movers": [{"path": [[k.time, k.x, k.y] for k in m.path], "loop": m.loop} for m in movers],
         "events": [{"t": e.time, "kind": e.kind, "text": e.text} for run in runs for e in run.events],
         "close": {"scale": CLOSE_UP * _REACH_SHARE / runs[0].robot.footprint_radius_m, "centre": 0.5 * CLOSE_UP},
-    }  # fmt: skip
+    }
     return json.dumps(_plain(content), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 
 

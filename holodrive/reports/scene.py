@@ -2,20 +2,9 @@
 
 from collections.abc import Sequence
 
-from holodrive.log.drawing import (
-    Trace,
-    best_pose,
-    bounds_of,
-    changes,
-    collision_shapes,
-    drawn,
-    framed,
-    goal_shape,
-    last_robot,
-    scene,
-    world_shapes,
-)
+from holodrive.log.drawing import Trace, best_pose, bounds_of, changes, drawn, framed, last_robot, scene
 from holodrive.log.run import Run
+from holodrive.log.shapes import collision_shapes, goal_shape, world_shapes
 from holodrive.log.view import View
 from holodrive.reports.plots import COLOURS, DASHES
 from holodrive.reports.replay import live_layer

@@ -1,24 +1,22 @@
 """The sections of a report page: one run, several runs, a recording, a table, words. Each gives its HTML."""
 
-import math
-import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from holodrive.log import view as views
-from holodrive.log.drawing import BLUE, ORANGE, Trace, drawn, framed, picture
+from holodrive.log.drawing import Trace, drawn, framed, picture
 from holodrive.log.run import Run
+from holodrive.log.shapes import BLUE, ORANGE
 from holodrive.log.view import View
-from holodrive.log.words import ordered, told, words
-from holodrive.reports import replay, scene
+from holodrive.reports import parts, replay, scene
 from holodrive.reports.charts import ChartGroup, chart_groups, compared, heading_error, position_error
 from holodrive.reports.plots import Chart, Line
 from holodrive.reports.tables import Table, metric_table
-from holodrive.types import Array, Event
+from holodrive.types import Array
 
 
 class Section(Protocol):
@@ -54,21 +52,21 @@ class RunSection:
         data = replay.data([run], [self.title], view, run.world)
         return "".join(
             [
-                _note(self.note),
-                facts(run),
-                _damage(run),
-                tiles(run.metrics),
-                player(picture_, _side(run), data, lidar=bool(run.scans)),
-                *(_chart_group(group) for group in chart_groups(run)),
-                _events(run.events),
-                _settings(run),
+                parts.note(self.note),
+                parts.facts(run),
+                parts.damage(run),
+                parts.tiles(run.metrics),
+                parts.player(picture_, parts.side_panel(run), data, lidar=bool(run.scans)),
+                *(parts.chart_group(group) for group in chart_groups(run)),
+                parts.event_table(run.events),
+                parts.settings_of(run),
             ]
         )
 
 
 @dataclass(frozen=True)
 class ComparisonSection:
-    """Several runs: laid over each other when they share a world, side by side otherwise; metrics with the best marked."""
+    """Several runs: laid over each other in one world, side by side in several; metrics with the best marked."""
 
     runs: tuple[Run, ...]
     names: tuple[str, ...] = ()
@@ -78,24 +76,21 @@ class ComparisonSection:
     def html(self) -> str:
         """What stands under the heading."""
         names = self.names or run_names(self.runs)
-        table = metric_table(self.runs, names).html()
         explain = "▲ marks the best value of a row; percentages are differences from the first run."
+        table = metric_table(self.runs, names).html() + parts.note(explain)
         charts = ChartGroup("Side by side", "One line a run.", compared(self.runs, names))
-        return _note(self.note) + self._pictures(names) + _heading("Metrics", explain) + table + _chart_group(charts)
+        return parts.note(self.note) + self._pictures(names, table) + parts.chart_group(charts)
 
-    def _pictures(self, names: Sequence[str]) -> str:
+    def _pictures(self, names: Sequence[str], table: str) -> str:
         if scene.together(self.runs):
             overlay, view = scene.comparison_scene(self.runs, names)
             data = replay.data(self.runs, names, view, self.runs[0].world)
-            return player(overlay, "", data, lidar=False)
-        pictures = zip(names, self.runs, strict=True)
-        return (
-            '<div class="worlds">'
-            + "".join(
-                f"<figure><figcaption>{escape(n)}</figcaption>{picture(r, 420, 420)}</figure>" for n, r in pictures
-            )
-            + "</div>"
+            return parts.player(overlay, table, data, lidar=False, wide=True)
+        figures = "".join(
+            f"<figure><figcaption>{escape(name)}</figcaption>{picture(run, 420, 420)}</figure>"
+            for name, run in zip(names, self.runs, strict=True)
         )
+        return f'<div class="worlds">{figures}</div>' + parts.heading("Metrics") + table
 
 
 @dataclass(frozen=True)
@@ -123,9 +118,9 @@ class RecordingSection:
         picture_ = f'<div class="map">{self.picture()}</div>'
         charts = "".join(f"<figure>{chart.svg()}</figure>" for chart in self.charts())
         return (
-            _note(self.note)
-            + fact_list(self.facts)
-            + tiles(self.metrics)
+            parts.note(self.note)
+            + parts.fact_list(self.facts)
+            + parts.tiles(self.metrics)
             + f'<div class="pair">{picture_}<div class="charts">{charts}</div></div>'
         )
 
@@ -169,7 +164,7 @@ class TableSection:
 
     def html(self) -> str:
         """What stands under the heading."""
-        return _note(self.note) + self.table.html()
+        return parts.note(self.note) + self.table.html()
 
 
 @dataclass(frozen=True)
@@ -215,168 +210,3 @@ def run_names(runs: Sequence[Run]) -> tuple[str, ...]:
     if len(set(names)) < len(names):
         names = [f"{i + 1}: {name}" for i, name in enumerate(names)]
     return tuple(names)
-
-
-def repeat_command(run: Run) -> str:
-    """What to type to run the same again: the recorded command, or the check of the log."""
-    command = run.settings.get("command")
-    if isinstance(command, str) and command:
-        return command
-    if isinstance(command, list | tuple) and command:
-        return shlex.join(str(part) for part in command)
-    return f"holodrive replay {shlex.quote(run.path.name)} --rerun" if run.path else ""
-
-
-def facts(run: Run) -> str:
-    """What ran, and how to repeat it."""
-    settings = run.settings
-    pairs = {
-        "robot": run.robot.name,
-        "world": run.world.name if run.world else "open floor",
-        **{
-            key: str(settings[key])
-            for key in ("controller", "plant", "seed", "id")
-            if settings.get(key) not in (None, "")
-        },
-    }
-    if settings.get("version"):
-        pairs["made by"] = f"holodrive {settings['version']}"
-    command = repeat_command(run)
-    repeat = f'<p class="repeat">Repeat with <code>{escape(command)}</code></p>' if command else ""
-    return _note(run.robot.title) + fact_list(pairs) + repeat
-
-
-def fact_list(pairs: Mapping[str, str]) -> str:
-    """Pairs of words in one line."""
-    items = "".join(f"<div><dt>{escape(k)}</dt><dd>{escape(str(v))}</dd></div>" for k, v in pairs.items())
-    return f'<dl class="facts">{items}</dl>' if items else ""
-
-
-def tiles(metrics: Mapping[str, float]) -> str:
-    """Metrics as tiles: value with unit, and its name; what went wrong stands out."""
-    items = []
-    for name in ordered(metrics):
-        value = float(metrics[name])
-        unit, (text,) = told(name, [value])
-        how = words(name)
-        bad = (name == "arrived" and value == 0.0) or (name in ("collisions", "moved_collisions") and value > 0.0)
-        shown = (
-            f"{escape(text)}<small>{'' if unit == '°' else ' '}{escape(unit)}</small>"
-            if unit and text != "—"
-            else escape(text)
-        )
-        items.append(
-            f'<div{" class=bad" if bad else ""} title="{escape(how.help)}"><dt>{escape(how.label)}</dt><dd>{shown}</dd></div>'
-        )
-    return f'<dl class="tiles">{"".join(items)}</dl>' if items else ""
-
-
-def player(picture_: str, side: str, data: str, *, lidar: bool) -> str:
-    """The path picture with its replay controls; without scripts the picture stays."""
-    speeds = "".join(
-        f'<option value="{v:g}"{" selected" if v == 1 else ""}>{v:g} ×</option>' for v in (0.25, 0.5, 1, 2, 4, 8, 16)
-    )
-    beams = '<label><input type="checkbox" class="lidar" checked> lidar</label>' if lidar else ""
-    aside = f'<div class="side">{side}</div>' if side else ""
-    return (
-        '<div class="replay" role="group" aria-label="Replay of the run">'
-        f'<div class="stage"><div class="map">{picture_}</div>{aside}</div>'
-        '<div class="bar"><button type="button" class="play" aria-pressed="false">Play</button>'
-        '<div class="slot"><div class="event-marks"></div>'
-        '<input type="range" class="timeline" min="0" max="1000" value="0" aria-label="time"></div>'
-        '<output class="clock"></output>'
-        f'<label><span class="hidden">speed</span><select class="speed" title="speed">{speeds}</select></label>{beams}'
-        '<p class="keys">Space plays and pauses, ← → move by 1 s, with Shift by 0.1 s, Home and End jump. '
-        "A click on a chart goes to that time.</p>"
-        '<span class="state" role="status" aria-live="polite">The replay needs JavaScript; everything else does not.</span>'
-        f'</div><script type="application/json">{data}</script></div>'
-    )
-
-
-def _side(run: Run) -> str:
-    rows = "".join(
-        f'<tr><th scope="row">{escape(w.name)}</th><td class="number commanded" data-wheel="{i}">—</td>'
-        f'<td class="number measured" data-wheel="{i}">—</td></tr>'
-        for i, w in enumerate(run.robot.wheels)
-    )
-    values = [("position", "pose"), ("heading", "heading"), ("speed", "speed"), ("from reference", "error")]
-    if np.isfinite(position_error(run.estimate, run.pose)).any():
-        values.append(("estimate off by", "drift"))
-    readings = "".join(f'<dt>{label}</dt><dd data-value="{name}">—</dd>' for label, name in values)
-    key = "".join(
-        f'<span><svg width="22" height="8" aria-hidden="true"><path class="arrow {kind}" d="M4 4H18"/></svg>{label}</span>'
-        for kind, label in (("commanded", "commanded"), ("measured", "measured"), ("velocity", "body velocity"))
-    )
-    return (
-        f'{replay.close_up(run.robot)}<p class="key">{key}</p><dl>{readings}</dl>'
-        '<table><thead><tr><th scope="col">wheel, rad/s</th><th scope="col" class="number">commanded</th>'
-        f'<th scope="col" class="number">measured</th></tr></thead><tbody>{rows}</tbody></table>'
-    )
-
-
-def _chart_group(group: ChartGroup) -> str:
-    figures = "".join(f"<figure>{chart.svg()}</figure>" for chart in group.charts)
-    return _heading(group.title, group.note) + f'<div class="charts">{figures}</div>' if figures else ""
-
-
-def _events(events: Sequence[Event]) -> str:
-    if not events:
-        return ""
-    rows = []
-    for event in events:
-        where = f"({event.pose.x:.2f}, {event.pose.y:.2f})" if math.isfinite(event.pose.x + event.pose.y) else "—"
-        rows.append(
-            f'<tr><td class="number"><button type="button" class="link" data-seek="{event.time:.4f}">{event.time:.2f}</button></td>'
-            f'<td>{escape(event.kind)}</td><td class="wrap">{escape(event.text)}</td><td class="number">{where}</td></tr>'
-        )
-    head = '<tr><th scope="col" class="number">time, s</th><th scope="col">kind</th><th scope="col">what</th><th scope="col" class="number">robot at, m</th></tr>'
-    return (
-        _heading("Events", "")
-        + f'<div class="scroll"><table><thead>{head}</thead><tbody>{"".join(rows)}</tbody></table></div>'
-    )
-
-
-def _settings(run: Run) -> str:
-    rows = "".join(
-        f'<tr><th scope="row">{escape(key)}</th><td class="wrap">{escape(value)}</td></tr>'
-        for key, value in flat(run.settings)
-    )
-    parts = []
-    if rows:
-        parts.append(
-            f'<details><summary>Settings</summary><div class="scroll"><table><tbody>{rows}</tbody></table></div></details>'
-        )
-    if run.robot.text:
-        parts.append(f"<details><summary>Robot file</summary><pre>{escape(run.robot.text)}</pre></details>")
-    if run.world is not None and run.world.text:
-        parts.append(f"<details><summary>World file</summary><pre>{escape(run.world.text)}</pre></details>")
-    return "".join(parts)
-
-
-def flat(settings: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
-    """Nested settings as dotted names and texts."""
-    rows: list[tuple[str, str]] = []
-    for key, value in settings.items():
-        name = f"{prefix}{key}"
-        if isinstance(value, Mapping):
-            rows += flat(value, f"{name}.")
-        elif isinstance(value, float):
-            rows.append((name, f"{value:.6g}"))
-        elif isinstance(value, list | tuple):
-            text = ", ".join(f"{v:.6g}" if isinstance(v, float) else str(v) for v in value[:60])
-            rows.append((name, text + (f", … ({len(value)} values)" if len(value) > 60 else "")))
-        else:
-            rows.append((name, str(value)))
-    return rows
-
-
-def _damage(run: Run) -> str:
-    return f'<p class="note">The log was damaged: {escape(run.damage)}</p>' if run.damage else ""
-
-
-def _heading(title: str, note: str) -> str:
-    return f"<h3>{escape(title)}</h3>" + _note(note)
-
-
-def _note(text: str) -> str:
-    return f'<p class="note">{escape(text)}</p>' if text else ""

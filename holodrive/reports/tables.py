@@ -123,8 +123,8 @@ def table(rows: Sequence[Mapping[str, Any]], columns: Sequence[str] | None = Non
             headers.append(words(key).label)
         texts.append(cells)
         numeric.append(is_number)
-    cells = tuple(zip(*texts, strict=True)) if texts else ()
-    return Table(title, tuple(headers), tuple(tuple(row) for row in cells), tuple(rows), tuple(numeric))
+    by_row = tuple(zip(*texts, strict=True)) if texts else ()
+    return Table(title, tuple(headers), by_row, tuple(rows), tuple(numeric))
 
 
 def metric_table(runs: Sequence[Run], names: Sequence[str], title: str = "") -> Table:
@@ -176,7 +176,7 @@ def _best(name: str, values: Sequence[float], texts: Sequence[str]) -> list[int]
 
 def _difference(base: float, value: float) -> str:
     """` (+12 %)`, or nothing where a ratio says nothing."""
-    if not (math.isfinite(base) and math.isfinite(value)) or base == 0.0 or base == value:
+    if not (math.isfinite(base) and math.isfinite(value)) or base in (0.0, value):
         return ""
     share = 100.0 * (value - base) / abs(base)
     return f" ({share:+.{0 if abs(share) >= 10 else 1}f} %)".replace("-", "−") if abs(share) < 1000 else ""

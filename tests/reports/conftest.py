@@ -21,11 +21,20 @@ def hybrid3() -> Robot:
     }
     wheels = tuple(
         WheelSpec(
-            name, kind, 0.23 * math.cos(math.radians(at)), 0.23 * math.sin(math.radians(at)), math.radians(yaw), 0.051,
-            MOTOR, 2.3, roller=math.radians(roller), width=0.045, encoder=Encoder(2000.0),
+            name,
+            kind,
+            0.23 * math.cos(math.radians(at)),
+            0.23 * math.sin(math.radians(at)),
+            math.radians(yaw),
+            0.051,
+            MOTOR,
+            2.3,
+            roller=math.radians(roller),
+            width=0.045,
+            encoder=Encoder(2000.0),
         )
         for name, (at, yaw, kind, roller) in spokes.items()
-    )  # fmt: skip
+    )
     return Robot("hybrid3", wheels, 3.26, 0.1, 0.27, title="one omni and two Mecanum wheels", lidar=Lidar("a1"))
 
 
@@ -138,9 +147,13 @@ def make_run(
             r = rays(world, pose[i], angles) * (1 + rng.normal(0, 0.005, 360))
             revolutions.append(Scan(float(time[i]), angles, r, np.zeros(360), range_min=0.15, range_max=12.0))
     rate = np.gradient(pose, time, axis=0)
-    twist = np.column_stack([
-        np.cos(theta) * rate[:, 0] + np.sin(theta) * rate[:, 1], -np.sin(theta) * rate[:, 0] + np.cos(theta) * rate[:, 1], rate[:, 2],
-    ])  # fmt: skip
+    twist = np.column_stack(
+        [
+            np.cos(theta) * rate[:, 0] + np.sin(theta) * rate[:, 1],
+            -np.sin(theta) * rate[:, 0] + np.cos(theta) * rate[:, 1],
+            rate[:, 2],
+        ]
+    )
     bump = n // 2
     events = (
         Event(
@@ -148,27 +161,58 @@ def make_run(
             "collision",
             "touched obstacle 2; the robot moved",
             Pose(*pose[bump]),
-            {"x": 0.72, "y": 2.6, "moved": "robot"},
+            {"place": [0.72, 2.6], "moved": "robot"},
         ),
         Event(float(time[-1]), "arrived", "goal reached", Pose(*pose[-1])),
     )
     length = float(np.hypot(*np.diff(xy, axis=0).T).sum())
     return Run(
-        robot=robot, world=world,
+        robot=robot,
+        world=world,
         settings={
-            "id": f"7f3a9{seed}", "controller": name, "params": {"kp": 1.2, "kd": [0.1, 0.2]}, "plant": "slip", "seed": seed,
-            "reference": "waypoints", "duration": seconds, "version": "0.1.0",
+            "id": f"7f3a9{seed}",
+            "controller": name,
+            "params": {"kp": 1.2, "kd": [0.1, 0.2]},
+            "plant": "slip",
+            "seed": seed,
+            "reference": "waypoints",
+            "duration": seconds,
+            "version": "0.1.0",
         },
-        time=time, pose=pose, estimate=pose + drift, covariance=np.tile(np.eye(3) * 1e-4, (n, 1, 1)), reference=reference,
-        twist=twist, decided=twist * 1.05, wheel_commands=commands, wheel_speeds=speeds, steer_commands=steer + 0.02, steer=steer,
-        duty=np.clip(commands / top, -1, 1), slip=np.abs(rng.normal(0, 0.003, n)), scans=tuple(revolutions), events=events,
+        time=time,
+        pose=pose,
+        estimate=pose + drift,
+        covariance=np.tile(np.eye(3) * 1e-4, (n, 1, 1)),
+        reference=reference,
+        twist=twist,
+        decided=twist * 1.05,
+        wheel_commands=commands,
+        wheel_speeds=speeds,
+        steer_commands=steer + 0.02,
+        steer=steer,
+        duty=np.clip(commands / top, -1, 1),
+        slip=np.abs(rng.normal(0, 0.003, n)),
+        scans=tuple(revolutions),
+        events=events,
         metrics={
-            "arrived": 1.0, "time_s": seconds - seed, "path_length_m": length, "turns": 6.0, "min_clearance_m": 0.021 * (seed + 1),
-            "collisions": 1.0, "moved_collisions": 0.0, "iae_m_s": 1.234 + seed / 10, "ise_m2_s": 0.0567, "rms_error_m": 0.0312 + seed * 0.004,
-            "max_error_m": 0.081, "final_error_m": 0.0123, "final_heading_error_rad": 0.021, "energy_j": 123.4, "saturated_share": 0.12,
+            "arrived": 1.0,
+            "time_s": seconds - seed,
+            "path_length_m": length,
+            "turns": 6.0,
+            "min_clearance_m": 0.021 * (seed + 1),
+            "collisions": 1.0,
+            "moved_collisions": 0.0,
+            "iae_m_s": 1.234 + seed / 10,
+            "ise_m2_s": 0.0567,
+            "rms_error_m": 0.0312 + seed * 0.004,
+            "max_error_m": 0.081,
+            "final_error_m": 0.0123,
+            "final_heading_error_rad": 0.021,
+            "energy_j": 123.4,
+            "saturated_share": 0.12,
             "mean_speed_m_s": length / seconds,
         },
-    )  # fmt: skip
+    )
 
 
 @pytest.fixture(scope="session")
@@ -195,7 +239,21 @@ def blank_run() -> Run:
     robot = hybrid3()
     nan = np.full((1, 3), np.nan)
     return Run(
-        robot=robot, world=None, settings={}, time=np.zeros(1), pose=nan, estimate=nan, covariance=np.full((1, 3, 3), np.nan),
-        reference=nan, twist=nan, decided=nan, wheel_commands=nan, wheel_speeds=nan, steer_commands=np.empty((1, 0)),
-        steer=np.empty((1, 0)), duty=nan, slip=np.full(1, np.nan), metrics={"iae_m_s": math.nan},
-    )  # fmt: skip
+        robot=robot,
+        world=None,
+        settings={},
+        time=np.zeros(1),
+        pose=nan,
+        estimate=nan,
+        covariance=np.full((1, 3, 3), np.nan),
+        reference=nan,
+        twist=nan,
+        decided=nan,
+        wheel_commands=nan,
+        wheel_speeds=nan,
+        steer_commands=np.empty((1, 0)),
+        steer=np.empty((1, 0)),
+        duty=nan,
+        slip=np.full(1, np.nan),
+        metrics={"iae_m_s": math.nan},
+    )
