@@ -25,6 +25,8 @@ from holodrive.types import Pose
 from holodrive.worlds.spec import World
 
 if TYPE_CHECKING:
+    from holodrive.control.custom import Law
+    from holodrive.estimation import Evaluation
     from holodrive.sim import Rollout, SimBase
 
 Plant = Literal["first_order", "slip"]
@@ -76,7 +78,7 @@ def simulate(
 
 def drive(
     base: Base,
-    controller: str | Controller = "go_to_pose",
+    controller: "str | Controller | ControllerPlug | Law" = "go_to_pose",
     *,
     goal: ArrayLike | None = None,
     waypoints: ArrayLike | None = None,
@@ -93,7 +95,8 @@ def drive(
 
     Args:
         base: from `simulate`, or a real one.
-        controller: a name of `control.names()` or an object with `step` and `reset`.
+        controller: a name of `control.names()`, a function `f(reference, estimate, observation) -> Twist`,
+            a plug with a kernel, or an object with `step` and `reset`.
         goal: (x, y) keeps the heading, (x, y, theta) turns; the world's goal when nothing is said.
         waypoints: (K, 2 or 3) to pass, the last to stop at.
         trajectory: a table from `planning` or `references`.
@@ -116,7 +119,7 @@ def drive(
     if isinstance(controller, str):
         params = _arrival(place, controller, params, asked_for_nothing)
     settings = _settings(base, controller, estimator, params, table, start, length, stop_on_arrival)
-    driver = control.controller(controller, robot, params) if isinstance(controller, str) else controller
+    driver = control.controller(controller, robot, params)
     believer = estimation.estimator(estimator, robot) if isinstance(estimator, str) else estimator
     builder = logs.RunBuilder(robot, place, settings)
     recorder = logs.Recorder(log, robot, place, settings) if log is not None else None
@@ -225,8 +228,8 @@ def replay(path: str | Path, run: str | None = None, robot: str | Path | Robot |
 
 def _settings(
     base: Base,
-    controller: str | Controller,
-    estimator: str | Estimator,
+    controller: Any,
+    estimator: Any,
     params: dict[str, Any] | None,
     table: references.Table,
     start: Pose,
@@ -238,8 +241,8 @@ def _settings(
         "version": __version__,
         "robot": base.robot.name,
         "world": getattr(getattr(base, "world", None), "name", ""),
-        "controller": controller if isinstance(controller, str) else type(controller).__name__,
-        "estimator": estimator if isinstance(estimator, str) else type(estimator).__name__,
+        "controller": _name(controller),
+        "estimator": _name(estimator),
         "params": params or {},
         "reference": table.recipe,
         "start": [float(value) for value in start],
@@ -252,6 +255,10 @@ def _settings(
     whole = json.dumps([settings, base.robot.text, getattr(getattr(base, "world", None), "text", "")], default=str)
     settings["id"] = hashlib.blake2b(whole.encode(), digest_size=4).hexdigest()
     return settings
+
+
+def _name(thing: Any) -> str:
+    return thing if isinstance(thing, str) else getattr(thing, "__name__", type(thing).__name__)
 
 
 def _length(duration_s: float | None, table: references.Table) -> float:

@@ -4,9 +4,10 @@ from importlib import import_module
 from importlib.metadata import entry_points
 from typing import Any
 
+from holodrive.control.custom import FunctionController, KernelPlug
 from holodrive.control.kernel import KernelController
 from holodrive.control.parameters import made
-from holodrive.errors import UnknownName
+from holodrive.errors import InputError, UnknownName
 from holodrive.interfaces import Controller, ControllerPlug
 from holodrive.robots.spec import Robot
 
@@ -48,9 +49,39 @@ def plug(name: str, params: dict[str, Any] | None = None) -> ControllerPlug:
     return result
 
 
-def controller(name: str, robot: Robot, params: dict[str, Any] | None = None) -> Controller:
-    """A controller for the ordinary loop."""
-    return KernelController(plug(name, params), robot)
+def controller(what: Any, robot: Robot, params: dict[str, Any] | None = None) -> Controller:
+    """A controller for the ordinary loop.
+
+    Args:
+        what: a registered name; a plug with a kernel; a controller; or a function of reference, estimate, observation.
+        robot: to be driven.
+        params: over a named controller's defaults.
+
+    Raises:
+        UnknownName, InputError: as `plug`, or something that cannot control.
+    """
+    if isinstance(what, str):
+        return KernelController(plug(what, params), robot)
+    if params:
+        raise InputError("params go with a controller's name; set the parameters of a controller object on itself")
+    if hasattr(what, "kernel"):
+        return KernelController(what, robot)
+    if hasattr(what, "step") and hasattr(what, "reset"):
+        controller_object: Controller = what
+        return controller_object
+    if callable(what):
+        return FunctionController(what)
+    raise InputError(f"{what!r} is no controller: give a name, a function, or an object with step and reset")
 
 
-__all__ = ["CONTROLLERS", "ENTRY_POINTS", "KernelController", "controller", "names", "plug", "plug_class"]
+__all__ = [
+    "CONTROLLERS",
+    "ENTRY_POINTS",
+    "FunctionController",
+    "KernelController",
+    "KernelPlug",
+    "controller",
+    "names",
+    "plug",
+    "plug_class",
+]
