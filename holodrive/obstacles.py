@@ -1,11 +1,11 @@
-"""A world as arrays, and distances to what stands and moves in it: one definition for simulator and metrics.
+"""A world as one flat vector, and distances to what stands and moves in it: for simulator and metrics alike.
 
 Obstacles are numbered: circles, then segments (the arena's border first), then boxes, then movers.
 Circles, boxes and movers are filled: inside them the distance is negative.
 """
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numba import njit
@@ -16,50 +16,32 @@ from holodrive.types import Array
 if TYPE_CHECKING:
     from holodrive.worlds.spec import Mover, World
 
+# header: how many of each, and where the rows of each begin; edges are the segments, then the sides of the boxes
+N_CIRCLES, N_SEGMENTS, N_EDGES, N_BOXES, N_MOVERS = range(5)
+CIRCLES, EDGES, BOXES, MOVERS, FRAMES = range(5, 10)
+FASTEST = 10  # m/s, speed of the fastest mover
+HEADER = 11
+# widths of rows
+CIRCLE = 3  # x, y, radius [m]
+EDGE = 4  # x1, y1, x2, y2 [m]
 BOX = 6  # x, y, cos, sin, half length, half width
-MOVER = 5  # radius, first key frame, key frames, loop, period [s]
+MOVER = 5  # radius, first key frame, key frames, loop (0 or 1), time of the path [s]
+FRAME = 3  # time, x, y
 
 
-class Obstacles(NamedTuple):
-    """A world for kernels.
-
-    Attributes:
-        circles: (c, 3) x, y, radius [m].
-        segments: (s, 4) x1, y1, x2, y2 [m], border first.
-        boxes: (b, 6) x, y, cos, sin of its turn, half length, half width.
-        edges: (s + 4 b, 4) segments and the boxes' sides: what a ray can meet.
-        movers: (k, 5) radius, first row and number of key frames, loop (0 or 1), time of the path [s].
-        frames: (f, 3) time, x, y of all movers' key frames.
-        fastest: speed of the fastest mover [m/s].
-    """
-
-    circles: Array
-    segments: Array
-    boxes: Array
-    edges: Array
-    movers: Array
-    frames: Array
-    fastest: float
-
-
-def obstacles_of(world: "World | None") -> Obstacles:
-    """The obstacles of a world; none for None."""
-    if world is None:
-        none = [np.zeros((0, width)) for width in (3, 4, BOX, 4, MOVER, 3)]
-        return Obstacles(none[0], none[1], none[2], none[3], none[4], none[5], 0.0)
-    segments = _rows([(s.x1, s.y1, s.x2, s.y2) for s in (*world.border(), *world.segments)], 4)
-    boxes = [(b.x, b.y, math.cos(b.theta), math.sin(b.theta), 0.5 * b.length, 0.5 * b.width) for b in world.boxes]
-    edges = [side for box in boxes for side in _sides(*box)]
-    movers, frames = _movers(world.movers)
-    return Obstacles(
-        circles=_rows([(c.x, c.y, c.radius) for c in world.circles], 3),
-        segments=segments,
-        boxes=_rows(boxes, BOX),
-        edges=np.ascontiguousarray(np.concatenate([segments, _rows(edges, 4)])),
-        movers=_rows(movers, MOVER),
-        frames=_rows(frames, 3),
-        fastest=_fastest(world.movers),
-    )
+def obstacles_of(world: "World | None") -> Array:
+    """The obstacles of a world as one vector; none for None."""
+    circles: list[Any] = [(c.x, c.y, c.radius) for c in world.circles] if world else []
+    edges: list[Any] = [(s.x1, s.y1, s.x2, s.y2) for s in (*world.border(), *world.segments)] if world else []
+    segments = len(edges)
+    boxes = [_box(b.x, b.y, b.theta, b.length, b.width) for b in world.boxes] if world else []
+    edges += [side for box in boxes for side in _sides(*box)]
+    movers, frames = _movers(world.movers if world else ())
+    groups = (circles, edges, boxes, movers, frames)
+    flat = [np.asarray(group, dtype=np.float64).ravel() for group in groups]
+    begins = HEADER + np.cumsum([0, *(len(rows) for rows in flat)])[:-1]
+    counts = (len(circles), segments, len(edges), len(boxes), len(movers))
+    return np.concatenate([counts, begins, [_fastest(world.movers if world else ())], *flat])
 
 
 def obstacle_names(world: "World | None") -> tuple[str, ...]:
@@ -105,35 +87,38 @@ def nearest(obstacles, time, x, y):  # type: ignore[no-untyped-def]
         there is none).
     """
     best, number, nx, ny, vx, vy = math.inf, -1, 1.0, 0.0, 0.0, 0.0
-    circles, segments, boxes, movers = obstacles.circles, obstacles.segments, obstacles.boxes, obstacles.movers
-    for i in range(circles.shape[0]):
-        dx, dy = x - circles[i, 0], y - circles[i, 1]
-        # below best + radius only: most circles are far and cost no root
-        reach = best + circles[i, 2]
-        square = dx * dx + dy * dy
+    at, count = int(obstacles[CIRCLES]), int(obstacles[N_CIRCLES])
+    for i in range(count):
+        dx, dy, radius = x - obstacles[at], y - obstacles[at + 1], obstacles[at + 2]
+        # only below best + radius: most circles are far and cost no root
+        reach, square = best + radius, dx * dx + dy * dy
         if reach > 0.0 and square < reach * reach:
             d = math.sqrt(square)
-            best, number = d - circles[i, 2], i
+            best, number = d - radius, i
             nx, ny = (dx / d, dy / d) if d > 0.0 else (1.0, 0.0)
-    base = circles.shape[0]
-    for i in range(segments.shape[0]):
-        dx, dy = from_segment(segments[i, 0], segments[i, 1], segments[i, 2], segments[i, 3], x, y)
+        at += CIRCLE
+    base, at, count = count, int(obstacles[EDGES]), int(obstacles[N_SEGMENTS])
+    for i in range(count):
+        dx, dy = from_segment(obstacles[at], obstacles[at + 1], obstacles[at + 2], obstacles[at + 3], x, y)
         square = dx * dx + dy * dy
         if best > 0.0 and square < best * best:
             best, number = math.sqrt(square), base + i
             nx, ny = (dx / best, dy / best) if best > 0.0 else (1.0, 0.0)
-    base += segments.shape[0]
-    for i in range(boxes.shape[0]):
-        d, bx, by = from_box(boxes[i], x, y)
+        at += EDGE
+    base, at, count = base + count, int(obstacles[BOXES]), int(obstacles[N_BOXES])
+    for i in range(count):
+        d, bx, by = from_box(obstacles, at, x, y)
         if d < best:
             best, number, nx, ny = d, base + i, bx, by
-    base += boxes.shape[0]
-    for i in range(movers.shape[0]):
-        mx, my, mvx, mvy = mover_at(obstacles, i, time)
+        at += BOX
+    base, at, count = base + count, int(obstacles[MOVERS]), int(obstacles[N_MOVERS])
+    for i in range(count):
+        mx, my, mvx, mvy = mover_at(obstacles, at, time)
         d = math.hypot(x - mx, y - my)
-        if d - movers[i, 0] < best:
-            best, number, vx, vy = d - movers[i, 0], base + i, mvx, mvy
+        if d - obstacles[at] < best:
+            best, number, vx, vy = d - obstacles[at], base + i, mvx, mvy
             nx, ny = ((x - mx) / d, (y - my) / d) if d > 0.0 else (1.0, 0.0)
+        at += MOVER
     return best, nx, ny, vx, vy, number
 
 
@@ -147,12 +132,12 @@ def from_segment(x1, y1, x2, y2, x, y):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def from_box(box, x, y):  # type: ignore[no-untyped-def]
-    """Signed distance to a filled box and the direction away from it."""
-    c, s = box[2], box[3]
-    dx, dy = x - box[0], y - box[1]
+def from_box(obstacles, at, x, y):  # type: ignore[no-untyped-def]
+    """Signed distance to the filled box whose row begins at `at`, and the direction away from it."""
+    c, s = obstacles[at + 2], obstacles[at + 3]
+    dx, dy = x - obstacles[at], y - obstacles[at + 1]
     u, v = c * dx + s * dy, c * dy - s * dx
-    ou, ov = abs(u) - box[4], abs(v) - box[5]
+    ou, ov = abs(u) - obstacles[at + 4], abs(v) - obstacles[at + 5]
     su, sv = math.copysign(1.0, u), math.copysign(1.0, v)
     if ou > 0.0 and ov > 0.0:
         d = math.hypot(ou, ov)
@@ -165,28 +150,30 @@ def from_box(box, x, y):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def mover_at(obstacles, i, time):  # type: ignore[no-untyped-def]
-    """Place (2) [m] and velocity (2) [m/s] of mover `i`: even motion between key frames, waiting at the ends."""
-    frames = obstacles.frames
-    first = int(obstacles.movers[i, 1])
-    last = first + int(obstacles.movers[i, 2]) - 1
-    if obstacles.movers[i, 3] != 0.0 and obstacles.movers[i, 4] > 0.0:
-        time = frames[first, 0] + (time - frames[first, 0]) % obstacles.movers[i, 4]
-    if time < frames[first, 0] or first == last:
-        return frames[first, 1], frames[first, 2], 0.0, 0.0
-    if time >= frames[last, 0]:
-        return frames[last, 1], frames[last, 2], 0.0, 0.0
+def mover_at(obstacles, at, time):  # type: ignore[no-untyped-def]
+    """Place (2) [m] and velocity (2) [m/s] of the mover whose row begins at `at`.
+
+    It moves evenly between key frames and waits at the ends.
+    """
+    first = int(obstacles[FRAMES]) + FRAME * int(obstacles[at + 1])
+    last = first + FRAME * (int(obstacles[at + 2]) - 1)
+    if obstacles[at + 3] != 0.0 and obstacles[at + 4] > 0.0:
+        time = obstacles[first] + (time - obstacles[first]) % obstacles[at + 4]
+    if time < obstacles[first] or first == last:
+        return obstacles[first + 1], obstacles[first + 2], 0.0, 0.0
+    if time >= obstacles[last]:
+        return obstacles[last + 1], obstacles[last + 2], 0.0, 0.0
     k = first
-    while frames[k + 1, 0] <= time:
-        k += 1
-    span = frames[k + 1, 0] - frames[k, 0]
-    vx, vy = (frames[k + 1, 1] - frames[k, 1]) / span, (frames[k + 1, 2] - frames[k, 2]) / span
-    t = time - frames[k, 0]
-    return frames[k, 1] + t * vx, frames[k, 2] + t * vy, vx, vy
+    while obstacles[k + FRAME] <= time:
+        k += FRAME
+    span = obstacles[k + FRAME] - obstacles[k]
+    vx, vy = (obstacles[k + FRAME + 1] - obstacles[k + 1]) / span, (obstacles[k + FRAME + 2] - obstacles[k + 2]) / span
+    t = time - obstacles[k]
+    return obstacles[k + 1] + t * vx, obstacles[k + 2] + t * vy, vx, vy
 
 
-def _rows(rows: list[Any], width: int) -> Array:
-    return np.ascontiguousarray(np.array(rows, dtype=np.float64).reshape(-1, width))
+def _box(x: float, y: float, theta: float, length: float, width: float) -> tuple[float, ...]:
+    return x, y, math.cos(theta), math.sin(theta), 0.5 * length, 0.5 * width
 
 
 def _sides(x: float, y: float, c: float, s: float, a: float, b: float) -> list[tuple[float, float, float, float]]:

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from holodrive.sim.base import SimBase
-    from holodrive.sim.rollout import Rollout, rollout
+    from holodrive.sim.batch import Rollout, rollout
 
 __all__ = ["Rollout", "SimBase", "rollout"]
 
@@ -18,5 +18,5 @@ def __getattr__(name: str) -> Any:
     if name in ("Rollout", "rollout"):
         from importlib import import_module
 
-        return getattr(import_module("holodrive.sim.rollout"), name)
+        return getattr(import_module("holodrive.sim.batch"), name)
     raise AttributeError(f"module 'holodrive.sim' has no attribute {name!r}")

@@ -10,10 +10,10 @@ from holodrive import layout
 from holodrive.errors import InputError, UnknownName
 from holodrive.obstacles import obstacle_names, obstacles_of
 from holodrive.robots.spec import Robot
+from holodrive.sim import model as md
 from holodrive.sim import period as kernels
 from holodrive.sim import state as st
 from holodrive.sim.contact import STANDING
-from holodrive.sim.model import model_of
 from holodrive.sim.streams import key_of
 from holodrive.types import Array, DutyCommand, Event, Observation, Pose, Scan, Twist, WheelCommand, WheelState
 from holodrive.worlds.spec import World
@@ -43,13 +43,16 @@ class SimBase:
             raise UnknownName("plant", plant, kernels.PLANTS)
         self.robot, self.world, self.plant, self.seed, self.dt_s = robot, world, plant, seed, dt_s
         self._plant = kernels.PLANTS[plant]
-        self._model, self._obstacles = model_of(robot, dt_s), obstacles_of(world)
+        self._model, self._obstacles = md.model_of(robot, dt_s), obstacles_of(world)
         self._names = obstacle_names(world)
         self._key = key_of(seed, 0)
         self._state, self._event_rows, self._ranges, self._pending = kernels.scratch(self._model)
-        lidar, beams = self._model.lidar, np.arange(self._model.lidar.beams, dtype=np.float64)
-        self._angles: Array = np.asarray(lidar.first + lidar.step * beams, dtype=np.float64)
-        self._offsets: Array = np.asarray(lidar.beam_period * (beams + 1.0 - len(beams)), dtype=np.float64)
+        self._n, self._m, self._mice = len(robot.wheels), len(robot.steered), len(robot.mice)
+        self._angles = md.beam_angles(self._model)
+        self._offsets = self._model[md.BEAM_PERIOD] * (np.arange(len(self._angles)) + 1.0 - len(self._angles))
+        self._counts = np.array(
+            [w.encoder.counts_per_turn / (2.0 * math.pi) if w.encoder else 0.0 for w in robot.wheels]
+        )
         self._scan: Scan | None = None
         self.reset(start)
 
@@ -71,20 +74,19 @@ class SimBase:
 
     def observe(self) -> Observation:
         """What the sensors tell now."""
-        state, model, n, m = self._state, self._model, self._model.n, self._model.m
-        counts = model.wheels.counts
+        state, counts, n, m = self._state, self._counts, self._n, self._m
         position = np.divide(state[st.COUNT : st.COUNT + n], counts, out=np.full(n, math.nan), where=counts > 0.0)
         wheels = WheelState(
             position, state[st.MEASURED : st.MEASURED + n].copy(), state[st.STEER : st.STEER + m].copy()
         )
-        mice = state[st.MICE : st.MICE + 2 * len(model.mice)].reshape(-1, 2).copy() if len(model.mice) else None
+        mice = state[st.MICE : st.MICE + 2 * self._mice].reshape(-1, 2).copy() if self._mice else None
         imu = self.robot.imu is not None
         fresh = bool(state[st.SCAN_IS_NEW])
         if fresh:
             self._scan = self._take_scan()
         return Observation(
             time=self.time,
-            dt=model.period,
+            dt=self.robot.control_period_s,
             wheels=wheels,
             gyro=float(state[st.GYRO]) if imu else None,
             accel=state[st.ACCEL : st.ACCEL + 2].copy() if imu else None,
@@ -98,7 +100,7 @@ class SimBase:
 
         A number that is not finite stops the robot for good: `fault` says so, and all later commands are zero.
         """
-        n, m = self._model.n, self._model.m
+        n, m = self._n, self._m
         direct = isinstance(command, DutyCommand)
         values = np.ascontiguousarray(command.duty if isinstance(command, DutyCommand) else command.speeds, float)
         steer = np.ascontiguousarray(command.steer, float)
@@ -130,7 +132,7 @@ class SimBase:
     @property
     def time(self) -> float:
         """Seconds since start."""
-        return float(self._state[st.TICK]) * self._model.period
+        return float(self._state[st.TICK]) * self.robot.control_period_s
 
     @property
     def truth(self) -> Pose:
@@ -145,12 +147,12 @@ class SimBase:
     @property
     def duty(self) -> Array:
         """(n,) motor duties of the last control period."""
-        return np.array(self._state[st.DUTY : st.DUTY + self._model.n])
+        return np.array(self._state[st.DUTY : st.DUTY + self._n])
 
     @property
     def true_wheel_speeds(self) -> Array:
         """(n,) real wheel speeds [rad/s]."""
-        return np.array(self._state[st.WHEEL_SPEED : st.WHEEL_SPEED + self._model.n])
+        return np.array(self._state[st.WHEEL_SPEED : st.WHEEL_SPEED + self._n])
 
     @property
     def energy_j(self) -> float:

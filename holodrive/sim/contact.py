@@ -10,11 +10,12 @@ import math
 from numba import njit
 
 from holodrive.obstacles import nearest
+from holodrive.sim import model as md
 from holodrive.sim import state as st
 
 MARGIN = 1e-9  # m: how far outside the surface a robot is put
 REARM = 0.25  # s without touch after which the same obstacle counts again
-STANDING = 0.01  # m/s: a robot slower than this did not run into anything, it was run into
+STANDING = 0.01  # m/s: what is slower than this stands still
 _SLOTS = 4
 _ROUNDS = 4
 
@@ -22,7 +23,7 @@ _ROUNDS = 4
 @njit(cache=True, error_model="numpy")
 def free_distance(model, obstacles, state, time):  # type: ignore[no-untyped-def]
     """How far [m] the robot may surely move from where it is now before it touches anything."""
-    return nearest(obstacles, time, state[st.POSE], state[st.POSE + 1])[0] - model.footprint
+    return nearest(obstacles, time, state[st.POSE], state[st.POSE + 1])[0] - model[md.FOOTPRINT]
 
 
 @njit(cache=True, error_model="numpy")
@@ -31,7 +32,7 @@ def keep_outside(model, obstacles, state, events, time):  # type: ignore[no-unty
     gap = math.inf
     for _ in range(_ROUNDS):  # in a corner one push may lead into the other wall
         gap, nx, ny, vx, vy, number = nearest(obstacles, time, state[st.POSE], state[st.POSE + 1])
-        gap -= model.footprint
+        gap -= model[md.FOOTPRINT]
         if gap >= 0.0:
             break
         tell(model, state, events, time, nx, ny, vx, vy, number)
@@ -72,12 +73,12 @@ def tell(model, state, events, time, nx, ny, vx, vy, number):  # type: ignore[no
     state[oldest], state[oldest + 1] = number + 1.0, time
     speed = math.hypot(state[st.TWIST], state[st.TWIST + 1])
     state[st.COLLISIONS] += 1.0
-    if speed > STANDING:
+    if math.hypot(vx, vy) > STANDING:
         state[st.MOVED_COLLISIONS] += 1.0
     row = write_event(state, events, time, st.COLLISION)
     if row >= 0:
-        events[row, st.EVENT_PLACE] = state[st.POSE] - model.footprint * nx
-        events[row, st.EVENT_PLACE + 1] = state[st.POSE + 1] - model.footprint * ny
+        events[row, st.EVENT_PLACE] = state[st.POSE] - model[md.FOOTPRINT] * nx
+        events[row, st.EVENT_PLACE + 1] = state[st.POSE + 1] - model[md.FOOTPRINT] * ny
         events[row, st.EVENT_OBSTACLE] = number
         events[row, st.EVENT_ROBOT_SPEED] = speed
         events[row, st.EVENT_MOVER_SPEED] = math.hypot(vx, vy)

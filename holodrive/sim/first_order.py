@@ -10,6 +10,8 @@ import math
 
 from numba import njit
 
+from holodrive import obstacles as ob
+from holodrive.sim import model as md
 from holodrive.sim import state as st
 from holodrive.sim.contact import keep_outside
 from holodrive.sim.turn import turn_factors
@@ -17,15 +19,16 @@ from holodrive.sim.turn import turn_factors
 
 @njit(cache=True, error_model="numpy")
 def first_order_period(model, obstacles, state, events):  # type: ignore[no-untyped-def]
-    """One control period of `model.steps` physics steps with the duties and steering commands in `state`."""
-    dt, fastest = model.dt, obstacles.fastest * model.dt
-    tick, x, y, theta = state[st.TICK], state[st.POSE], state[st.POSE + 1], state[st.POSE + 2]
-    c, s, free = math.cos(theta), math.sin(theta), state[st.FREE]
+    """One control period of physics steps with the duties and steering commands in `state`."""
+    n, steps, dt = int(model[md.N]), int(model[md.STEPS]), model[md.DT]
+    steered, fastest = model[md.M] > 0.0, obstacles[ob.FASTEST] * dt
+    x, y, theta, free = state[st.POSE], state[st.POSE + 1], state[st.POSE + 2], state[st.FREE]
+    c, s = math.cos(theta), math.sin(theta)
     moved_x = moved_y = moved_turn = 0.0
-    for k in range(model.steps):
-        if model.m > 0:
-            steer(model.wheels, state, model.m)
-        vx, vy, omega = wheels_and_twist(model.wheels, state, model.n, dt)
+    for k in range(steps):
+        if steered:
+            steer(model, state, n)
+        vx, vy, omega = wheels_step(model, state, n, dt)
         dx, dy, turn = vx * dt, vy * dt, omega * dt
         sine, versine = turn_factors(turn)
         ux, uy = sine * dx - versine * dy, versine * dx + sine * dy
@@ -34,62 +37,72 @@ def first_order_period(model, obstacles, state, events):  # type: ignore[no-unty
         c, s = c - (dc * c + ds * s), s - (dc * s - ds * c)
         moved_x, moved_y, moved_turn = moved_x + dx, moved_y + dy, moved_turn + turn
         free -= abs(dx) + abs(dy) + fastest
-        if free < 0.0 or k == model.steps - 1:
+        if free < 0.0:
             state[st.POSE], state[st.POSE + 1], state[st.POSE + 2] = x, y, theta
-            end_twist(model.wheels, state, model.n)
-            if free < 0.0:
-                keep_outside(model, obstacles, state, events, (tick * model.steps + k + 1) * dt)
-                x, y, free = state[st.POSE], state[st.POSE + 1], state[st.FREE]
-    state[st.FREE] = free
+            twist_of_wheels(model, state, n)
+            keep_outside(model, obstacles, state, events, (state[st.TICK] * steps + k + 1) * dt)
+            x, y, free = state[st.POSE], state[st.POSE + 1], state[st.FREE]
+            if k == steps - 1:
+                break  # the twist that contact has left stays
+    else:
+        twist_of_wheels(model, state, n)
+    state[st.POSE], state[st.POSE + 1], state[st.POSE + 2], state[st.FREE] = x, y, theta, free
     state[st.MOVED], state[st.MOVED + 1], state[st.MOVED + 2] = moved_x, moved_y, moved_turn
 
 
 @njit(cache=True, error_model="numpy")
-def steer(wheels, state, m):  # type: ignore[no-untyped-def]
+def steer(model, state, n):  # type: ignore[no-untyped-def]
     """One step of the steering servos: lag inside a rate limit."""
-    for j in range(m):
-        step = (state[st.STEER_COMMAND + j] - state[st.STEER + j]) * wheels.turn[j]
-        state[st.STEER + j] += min(wheels.turn_limit[j], max(-wheels.turn_limit[j], step))
+    for i in range(n):
+        w = md.WHEELS + i * md.BLOCK
+        j = int(model[w + md.STEERED])
+        if j >= 0:
+            step = (state[st.STEER_COMMAND + j] - state[st.STEER + j]) * model[w + md.TURN]
+            limit = model[w + md.TURN_LIMIT]
+            state[st.STEER + j] += min(limit, max(-limit, step))
 
 
 @njit(cache=True, error_model="numpy")
-def wheels_and_twist(wheels, state, n, dt):  # type: ignore[no-untyped-def]
+def wheels_step(model, state, n, dt):  # type: ignore[no-untyped-def]
     """Step the wheel speeds; the body's mean twist over the step."""
     vx = vy = omega = 0.0
-    forward = wheels.forward
     for i in range(n):
-        target = state[st.DUTY + i] * wheels.no_load[i]
+        w = md.WHEELS + i * md.BLOCK
+        target = state[st.DUTY + i] * model[w + md.NO_LOAD]
         gap = state[st.WHEEL_SPEED + i] - target
-        speed = target + gap * wheels.mean[i]
-        state[st.WHEEL_SPEED + i] = target + gap * wheels.decay[i]
+        speed = target + gap * model[w + md.MEAN]
+        state[st.WHEEL_SPEED + i] = target + gap * model[w + md.DECAY]
         state[st.WHEEL_ANGLE + i] += speed * dt
-        row, j = wheels.row[i], wheels.steered[i]
-        if j >= 0:
-            rim, angle = speed * wheels.radius[i], state[st.STEER + j]
-            speed, across = rim * math.cos(angle), rim * math.sin(angle)
-            vx += forward[0, row + 1] * across
-            vy += forward[1, row + 1] * across
-            omega += forward[2, row + 1] * across
-        vx += forward[0, row] * speed
-        vy += forward[1, row] * speed
-        omega += forward[2, row] * speed
+        if model[w + md.STEERED] >= 0.0:
+            speed, across = steered_rim(model, state, w, speed)
+            vx += model[w + md.BACK_ACROSS] * across
+            vy += model[w + md.BACK_ACROSS + 1] * across
+            omega += model[w + md.BACK_ACROSS + 2] * across
+        vx += model[w + md.BACK] * speed
+        vy += model[w + md.BACK + 1] * speed
+        omega += model[w + md.BACK + 2] * speed
     return vx, vy, omega
 
 
 @njit(cache=True, error_model="numpy")
-def end_twist(wheels, state, n):  # type: ignore[no-untyped-def]
+def twist_of_wheels(model, state, n):  # type: ignore[no-untyped-def]
     """Write the twist that the wheels ask for now."""
     vx = vy = omega = 0.0
-    forward = wheels.forward
     for i in range(n):
-        speed, row, j = state[st.WHEEL_SPEED + i], wheels.row[i], wheels.steered[i]
-        if j >= 0:
-            rim, angle = speed * wheels.radius[i], state[st.STEER + j]
-            speed, across = rim * math.cos(angle), rim * math.sin(angle)
-            vx += forward[0, row + 1] * across
-            vy += forward[1, row + 1] * across
-            omega += forward[2, row + 1] * across
-        vx += forward[0, row] * speed
-        vy += forward[1, row] * speed
-        omega += forward[2, row] * speed
+        w, speed = md.WHEELS + i * md.BLOCK, state[st.WHEEL_SPEED + i]
+        if model[w + md.STEERED] >= 0.0:
+            speed, across = steered_rim(model, state, w, speed)
+            vx += model[w + md.BACK_ACROSS] * across
+            vy += model[w + md.BACK_ACROSS + 1] * across
+            omega += model[w + md.BACK_ACROSS + 2] * across
+        vx += model[w + md.BACK] * speed
+        vy += model[w + md.BACK + 1] * speed
+        omega += model[w + md.BACK + 2] * speed
     state[st.TWIST], state[st.TWIST + 1], state[st.TWIST + 2] = vx, vy, omega
+
+
+@njit(cache=True, error_model="numpy")
+def steered_rim(model, state, w, speed):  # type: ignore[no-untyped-def]
+    """Contact velocity [m/s] of a steered wheel along and across its zero direction."""
+    rim, angle = speed * model[w + md.RADIUS], state[st.STEER + int(model[w + md.STEERED])]
+    return rim * math.cos(angle), rim * math.sin(angle)

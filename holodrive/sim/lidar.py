@@ -6,125 +6,86 @@ beam by beam while the robot moves, and the test's oracle. Inside a filled obsta
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from holodrive.obstacles import mover_at
-from holodrive.robots.spec import Lidar
-from holodrive.sim.streams import DROPOUT, LIDAR, draw, draw_index, gauss, hash_of, uniform
-from holodrive.types import Array
-
-
-class LidarModel(NamedTuple):
-    """A range sensor for kernels; `beams` 0 = none.
-
-    Beam i looks along `first + i * step` [rad] in the sensor's frame (`cos`, `sin`), negative step for a clockwise
-    sensor. A scan takes `period` seconds; beam i of a distorted scan is taken `(i + 1) * beam_period` after its
-    start, an instantaneous scan has a `beam_period` of 0. `hashes` are of the beams' numbers.
-    """
-
-    beams: int
-    x: float
-    y: float
-    theta: float
-    period: float
-    beam_period: float
-    first: float
-    step: float
-    cos: Array
-    sin: Array
-    hashes: NDArray[np.uint64]
-    range_min: float
-    range_max: float
-    noise: float
-    noise_relative: float
-    dropout: float
-
-
-def lidar_model(lidar: Lidar | None) -> LidarModel:
-    """The kernels' form of a described sensor."""
-    if lidar is None:
-        empty = np.zeros(0)
-        return LidarModel(
-            0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, empty, empty, np.zeros(0, np.uint64), 0.0, 0.0, 0.0, 0.0, 0.0
-        )
-    full = lidar.field_of_view_rad >= 2.0 * math.pi - 1e-9
-    gaps = lidar.beams if full else max(1, lidar.beams - 1)
-    turn = -1.0 if lidar.clockwise else 1.0
-    first = 0.0 if full else -0.5 * turn * lidar.field_of_view_rad
-    step = turn * min(lidar.field_of_view_rad, 2.0 * math.pi) / gaps
-    # the mirror turns evenly, so that a narrow field of view is seen in a part of the revolution only
-    beam_period = abs(step) / (2.0 * math.pi) / lidar.rate_hz if lidar.motion_distortion else 0.0
-    angles = first + step * np.arange(lidar.beams)
-    return LidarModel(
-        beams=lidar.beams,
-        x=lidar.mount.x,
-        y=lidar.mount.y,
-        theta=lidar.mount.theta,
-        period=1.0 / lidar.rate_hz,
-        beam_period=beam_period,
-        first=first,
-        step=step,
-        cos=np.cos(angles),
-        sin=np.sin(angles),
-        hashes=np.array([hash_of(i) for i in range(lidar.beams)], dtype=np.uint64),
-        range_min=lidar.range_min,
-        range_max=lidar.range_max,
-        noise=lidar.noise_m,
-        noise_relative=lidar.noise_relative,
-        dropout=lidar.dropout,
-    )
+from holodrive import obstacles as ob
+from holodrive.sim import model as md
+from holodrive.sim.streams import DROPOUT, LIDAR, draw, draw_index, gauss, uniform
 
 
 @njit(cache=True, error_model="numpy")
-def cast(ranges, lidar, obstacles, time, x, y, theta):  # type: ignore[no-untyped-def]
+def cast(ranges, model, obstacles, time, x, y, theta):  # type: ignore[no-untyped-def]
     """True distances (b,) [m] of a whole scan taken at once from a base at (x, y, theta); infinite = nothing there."""
-    c, s = math.cos(theta), math.sin(theta)
-    ox, oy = x + c * lidar.x - s * lidar.y, y + s * lidar.x + c * lidar.y
-    c, s = math.cos(theta + lidar.theta), math.sin(theta + lidar.theta)
-    for i in range(ranges.shape[0]):
+    ox, oy, c, s = sensor(model, x, y, theta)
+    beams, at = ranges.shape[0], int(model[md.BEAMS_AT])
+    cos, sin = model[at : at + beams], model[at + beams : at + 2 * beams]
+    first, step = model[md.FIRST_BEAM], model[md.BEAM_STEP]
+    for i in range(beams):
         ranges[i] = math.inf
-    circles, edges = obstacles.circles, obstacles.edges
-    for k in range(circles.shape[0]):
-        dx, dy = circles[k, 0] - ox, circles[k, 1] - oy
-        circle_over(ranges, lidar, c * dx + s * dy, c * dy - s * dx, circles[k, 2])
-    for k in range(obstacles.movers.shape[0]):
-        mx, my, _, _ = mover_at(obstacles, k, time)
+    at = int(obstacles[ob.CIRCLES])
+    for _ in range(int(obstacles[ob.N_CIRCLES])):
+        dx, dy = obstacles[at] - ox, obstacles[at + 1] - oy
+        circle_over(ranges, cos, sin, first, step, c * dx + s * dy, c * dy - s * dx, obstacles[at + 2])
+        at += ob.CIRCLE
+    at = int(obstacles[ob.MOVERS])
+    for _ in range(int(obstacles[ob.N_MOVERS])):
+        mx, my, _, _ = ob.mover_at(obstacles, at, time)
         dx, dy = mx - ox, my - oy
-        circle_over(ranges, lidar, c * dx + s * dy, c * dy - s * dx, obstacles.movers[k, 0])
-    for k in range(edges.shape[0]):
-        px, py = edges[k, 0] - ox, edges[k, 1] - oy
-        ex, ey = edges[k, 2] - edges[k, 0], edges[k, 3] - edges[k, 1]
-        segment_over(ranges, lidar, c * px + s * py, c * py - s * px, c * ex + s * ey, c * ey - s * ex)
-    for k in range(obstacles.boxes.shape[0]):
-        if inside_box(obstacles.boxes[k], ox, oy):
+        circle_over(ranges, cos, sin, first, step, c * dx + s * dy, c * dy - s * dx, obstacles[at])
+        at += ob.MOVER
+    at = int(obstacles[ob.EDGES])
+    for _ in range(int(obstacles[ob.N_EDGES])):
+        px, py = obstacles[at] - ox, obstacles[at + 1] - oy
+        ex, ey = obstacles[at + 2] - obstacles[at], obstacles[at + 3] - obstacles[at + 1]
+        px, py, ex, ey = c * px + s * py, c * py - s * px, c * ex + s * ey, c * ey - s * ex
+        segment_over(ranges, cos, sin, first, step, px, py, ex, ey)
+        at += ob.EDGE
+    at = int(obstacles[ob.BOXES])
+    for _ in range(int(obstacles[ob.N_BOXES])):
+        if ob.from_box(obstacles, at, ox, oy)[0] < 0.0:
             ranges[:] = 0.0
+        at += ob.BOX
 
 
 @njit(cache=True, error_model="numpy")
-def cast_beam(lidar, obstacles, beam, time, x, y, theta):  # type: ignore[no-untyped-def]
+def cast_beam(beam, model, obstacles, time, x, y, theta):  # type: ignore[no-untyped-def]
     """True distance [m] of one beam from a base at (x, y, theta): every obstacle is asked."""
-    c, s = math.cos(theta), math.sin(theta)
-    ox, oy = x + c * lidar.x - s * lidar.y, y + s * lidar.x + c * lidar.y
-    c, s = math.cos(theta + lidar.theta), math.sin(theta + lidar.theta)
-    bx, by = c * lidar.cos[beam] - s * lidar.sin[beam], s * lidar.cos[beam] + c * lidar.sin[beam]
-    best = math.inf
-    circles, edges = obstacles.circles, obstacles.edges
-    for k in range(circles.shape[0]):
-        best = min(best, to_circle(bx, by, circles[k, 0] - ox, circles[k, 1] - oy, circles[k, 2]))
-    for k in range(obstacles.movers.shape[0]):
-        mx, my, _, _ = mover_at(obstacles, k, time)
-        best = min(best, to_circle(bx, by, mx - ox, my - oy, obstacles.movers[k, 0]))
-    for k in range(edges.shape[0]):
-        px, py = edges[k, 0] - ox, edges[k, 1] - oy
-        best = min(best, to_segment(bx, by, px, py, edges[k, 2] - edges[k, 0], edges[k, 3] - edges[k, 1]))
-    for k in range(obstacles.boxes.shape[0]):
-        if inside_box(obstacles.boxes[k], ox, oy):
+    ox, oy, c, s = sensor(model, x, y, theta)
+    at = int(model[md.BEAMS_AT]) + beam
+    cos, sin = model[at], model[at + int(model[md.BEAMS])]
+    bx, by = c * cos - s * sin, s * cos + c * sin
+    best, at = math.inf, int(obstacles[ob.CIRCLES])
+    for _ in range(int(obstacles[ob.N_CIRCLES])):
+        best = min(best, to_circle(bx, by, obstacles[at] - ox, obstacles[at + 1] - oy, obstacles[at + 2]))
+        at += ob.CIRCLE
+    at = int(obstacles[ob.MOVERS])
+    for _ in range(int(obstacles[ob.N_MOVERS])):
+        mx, my, _, _ = ob.mover_at(obstacles, at, time)
+        best = min(best, to_circle(bx, by, mx - ox, my - oy, obstacles[at]))
+        at += ob.MOVER
+    at = int(obstacles[ob.EDGES])
+    for _ in range(int(obstacles[ob.N_EDGES])):
+        ex, ey = obstacles[at + 2] - obstacles[at], obstacles[at + 3] - obstacles[at + 1]
+        best = min(best, to_segment(bx, by, obstacles[at] - ox, obstacles[at + 1] - oy, ex, ey))
+        at += ob.EDGE
+    at = int(obstacles[ob.BOXES])
+    for _ in range(int(obstacles[ob.N_BOXES])):
+        if ob.from_box(obstacles, at, ox, oy)[0] < 0.0:
             best = 0.0
+        at += ob.BOX
     return best
+
+
+@njit(cache=True, error_model="numpy")
+def sensor(model, x, y, theta):  # type: ignore[no-untyped-def]
+    """Place (2) [m] and direction (cosine, sine) of the sensor on a base at (x, y, theta)."""
+    c, s = math.cos(theta), math.sin(theta)
+    ox, oy = x + c * model[md.LIDAR_X] - s * model[md.LIDAR_Y], y + s * model[md.LIDAR_X] + c * model[md.LIDAR_Y]
+    if model[md.LIDAR_THETA] != 0.0:
+        c, s = math.cos(theta + model[md.LIDAR_THETA]), math.sin(theta + model[md.LIDAR_THETA])
+    return ox, oy, c, s
 
 
 @njit(cache=True, error_model="numpy")
@@ -147,14 +108,7 @@ def to_segment(bx, by, px, py, ex, ey):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def inside_box(box, x, y):  # type: ignore[no-untyped-def]
-    """Whether a point is inside a filled box."""
-    dx, dy = x - box[0], y - box[1]
-    return abs(box[2] * dx + box[3] * dy) < box[4] and abs(box[2] * dy - box[3] * dx) < box[5]
-
-
-@njit(cache=True, error_model="numpy")
-def circle_over(ranges, lidar, cx, cy, radius):  # type: ignore[no-untyped-def]
+def circle_over(ranges, cos, sin, first, step, cx, cy, radius):  # type: ignore[no-untyped-def]
     """Lower the ranges of the beams that a circle covers; (cx, cy) in the sensor's frame."""
     outside = cx * cx + cy * cy - radius * radius
     if outside <= 0.0:
@@ -163,45 +117,45 @@ def circle_over(ranges, lidar, cx, cy, radius):  # type: ignore[no-untyped-def]
     # the tangents' half angle, asin(r / d) = atan(r / tangent length)
     half = rough_angle(math.sqrt(outside), radius)
     middle = rough_angle(cx, cy)
-    low, high, turn = beam_span(lidar, middle - half, middle + half)
+    low, high, turn = beam_span(first, step, middle - half, middle + half)
     for k in range(-1, 2):
         a, b = beams_of(low + k * turn, high + k * turn, ranges.shape[0])
-        span, cos, sin = ranges[a:b], lidar.cos[a:b], lidar.sin[a:b]
+        span, bc, bs = ranges[a:b], cos[a:b], sin[a:b]
         for i in range(span.shape[0]):
-            along = cx * cos[i] + cy * sin[i]
+            along = cx * bc[i] + cy * bs[i]
             under = along * along - outside
             hit = along - math.sqrt(max(under, 0.0))
             span[i] = hit if under >= 0.0 and along > 0.0 and hit < span[i] else span[i]
 
 
 @njit(cache=True, error_model="numpy")
-def segment_over(ranges, lidar, px, py, ex, ey):  # type: ignore[no-untyped-def]
+def segment_over(ranges, cos, sin, first, step, px, py, ex, ey):  # type: ignore[no-untyped-def]
     """Lower the ranges of the beams that a segment p .. p + e covers, in the sensor's frame."""
     qx, qy = px + ex, py + ey
     start = rough_angle(px, py)
     # signed angle from p to q, the short way round
     swing = rough_angle(px * qx + py * qy, px * qy - py * qx)
-    low, high, turn = beam_span(lidar, start + min(swing, 0.0), start + max(swing, 0.0))
+    low, high, turn = beam_span(first, step, start + min(swing, 0.0), start + max(swing, 0.0))
     area = px * ey - py * ex
     for k in range(-1, 2):
         a, b = beams_of(low + k * turn, high + k * turn, ranges.shape[0])
-        span, cos, sin = ranges[a:b], lidar.cos[a:b], lidar.sin[a:b]
+        span, bc, bs = ranges[a:b], cos[a:b], sin[a:b]
         for i in range(span.shape[0]):
-            bx, by = cos[i], sin[i]
+            bx, by = bc[i], bs[i]
             over = 1.0 / (bx * ey - by * ex)
             share, hit = (px * by - py * bx) * over, area * over
             span[i] = hit if hit >= 0.0 and 0.0 <= share <= 1.0 and hit < span[i] else span[i]
 
 
 @njit(cache=True, error_model="numpy")
-def beam_span(lidar, low, high):  # type: ignore[no-untyped-def]
+def beam_span(first, step, low, high):  # type: ignore[no-untyped-def]
     """Angles [rad] as beam numbers (real) with low <= high, low within one turn from 0; and beams in a turn."""
-    if lidar.step < 0.0:
+    if step < 0.0:
         low, high = high, low
-    turn = 2.0 * math.pi / abs(lidar.step)
-    first, last = (low - lidar.first) / lidar.step, (high - lidar.first) / lidar.step
-    shift = turn * math.floor(first / turn)
-    return first - shift, last - shift, turn
+    turn = 2.0 * math.pi / abs(step)
+    low, high = (low - first) / step, (high - first) / step
+    shift = turn * math.floor(low / turn)
+    return low - shift, high - shift, turn
 
 
 @njit(cache=True, error_model="numpy")
@@ -230,39 +184,38 @@ def rough_angle(x, y):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def read(ranges, lidar, key, scan):  # type: ignore[no-untyped-def]
+def read(ranges, model, key, scan):  # type: ignore[no-untyped-def]
     """What the sensor tells of true distances (b,), in place: noise, dropouts, limits of range.
 
     Infinite = no return (too far or dropped), NaN = too near to be measured.
     """
     bits, drops = draw(key, LIDAR, scan), draw(key, DROPOUT, scan)
-    hashes, low, high = lidar.hashes, lidar.range_min, lidar.range_max
-    if lidar.noise > 0.0 or lidar.noise_relative > 0.0:
-        noise, relative = lidar.noise, lidar.noise_relative
+    low, high, dropout = model[md.RANGE_MIN], model[md.RANGE_MAX], model[md.DROPOUT]
+    noise, relative = model[md.RANGE_NOISE], model[md.RANGE_NOISE_RELATIVE]
+    if noise > 0.0 or relative > 0.0:
         for i in range(ranges.shape[0]):
             d = ranges[i]
             # beyond the range there is nothing to disturb, and infinity times noise would be NaN
-            d = d if d > high else d + max(noise, relative * d) * gauss(draw_index(bits, hashes[i]))
+            d = d if d > high else d + max(noise, relative * d) * gauss(draw_index(bits, np.uint64(i)))
             ranges[i] = math.nan if d < low else (math.inf if d > high else d)
     else:
         for i in range(ranges.shape[0]):
             d = ranges[i]
             ranges[i] = math.nan if d < low else (math.inf if d > high else d)
-    if lidar.dropout > 0.0:
+    if dropout > 0.0:
         for i in range(ranges.shape[0]):
-            if uniform(draw_index(drops, hashes[i])) < lidar.dropout:
+            if uniform(draw_index(drops, np.uint64(i))) < dropout:
                 ranges[i] = math.inf
 
 
 @njit(cache=True, error_model="numpy")
-def read_beam(distance, lidar, key, scan, beam):  # type: ignore[no-untyped-def]
+def read_beam(distance, model, key, scan, beam):  # type: ignore[no-untyped-def]
     """What the sensor tells of one beam's true distance; the same numbers as `read`."""
-    low, high, index = lidar.range_min, lidar.range_max, lidar.hashes[beam]
-    d = distance
-    if (lidar.noise > 0.0 or lidar.noise_relative > 0.0) and d <= high:
-        spread = max(lidar.noise, lidar.noise_relative * d)
-        d += spread * gauss(draw_index(draw(key, LIDAR, scan), index))
+    low, high, index, d = model[md.RANGE_MIN], model[md.RANGE_MAX], np.uint64(beam), distance
+    noise, relative = model[md.RANGE_NOISE], model[md.RANGE_NOISE_RELATIVE]
+    if (noise > 0.0 or relative > 0.0) and d <= high:
+        d += max(noise, relative * d) * gauss(draw_index(draw(key, LIDAR, scan), index))
     d = math.nan if d < low else (math.inf if d > high else d)
-    if lidar.dropout > 0.0 and uniform(draw_index(draw(key, DROPOUT, scan), index)) < lidar.dropout:
+    if model[md.DROPOUT] > 0.0 and uniform(draw_index(draw(key, DROPOUT, scan), index)) < model[md.DROPOUT]:
         d = math.inf
     return d

@@ -1,8 +1,11 @@
-"""A robot as the kernels of the simulator read it: arrays made once from its description, a step and a period."""
+"""A robot as the kernels of the simulator read it: one flat float64 vector for one physics step.
+
+One vector makes a kernel call cheap (a tuple of thirty arrays costs microseconds). It has a header, a block for each
+wheel, a row for each mouse, and the directions of the lidar's beams.
+"""
 
 import math
 from functools import lru_cache
-from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,99 +13,72 @@ from holodrive.actuators.lag import lag_factors
 from holodrive.errors import InputError
 from holodrive.kinematics import Chassis
 from holodrive.layout import MAX_MICE, MAX_WHEELS
-from holodrive.robots.spec import Imu, Robot
-from holodrive.sim.lidar import LidarModel, lidar_model
+from holodrive.robots.spec import Imu, Lidar, Robot
 from holodrive.sim.loads import GRAVITY, wheel_loads
 from holodrive.types import Array
 
+# --- header --------------------------------------------------------------------------------------
+N = 0  # wheels
+M = 1  # of them steered
+MICE = 2  # ground sensors
+STEPS = 3  # physics steps in a control period
+DT = 4  # s
+PERIOD = 5  # s
+FOOTPRINT = 6  # m
+MASS = 7  # kg
+INERTIA = 8  # kg m^2, about the centre of mass
+COM_X, COM_Y = 9, 10  # m
+SLIP_SPEED = 11  # m/s
+BATTERY_V, BATTERY_R, BATTERY_C = 12, 13, 14  # V, ohm, C
+LOOP_KP, LOOP_KI = 15, 16
+LOOP_FILTER = 17  # share of the new encoder speed that is let in at each control tick
+IMU_RATE = 18  # Hz; 0 = none
+IMU_X, IMU_Y, IMU_THETA = 19, 20, 21
+GYRO_NOISE, GYRO_BIAS, GYRO_WALK = 22, 23, 24
+ACCEL_NOISE = 25
+BEAMS = 26  # 0 = no lidar
+LIDAR_X, LIDAR_Y, LIDAR_THETA = 27, 28, 29
+SCAN_PERIOD = 30  # s
+BEAM_PERIOD = 31  # s from beam to beam; 0 for an instantaneous scan
+FIRST_BEAM, BEAM_STEP = 32, 33  # rad, sensor frame; the step is negative for a clockwise sensor
+RANGE_MIN, RANGE_MAX = 34, 35  # m
+RANGE_NOISE, RANGE_NOISE_RELATIVE = 36, 37
+DROPOUT = 38
+MICE_AT = 39  # where the mice begin
+BEAMS_AT = 40  # where the cosines of the beams begin; their sines follow
+WHEELS = 41  # the first wheel's block begins here
 
-class WheelModel(NamedTuple):
-    """Wheels (n,), SI. Vectors are unit vectors of a fixed wheel, or a steered one's at angle 0.
+# --- block of a wheel ----------------------------------------------------------------------------
+STEERED = 0  # place in steering arrays, or -1
+RADIUS = 1  # m
+MAX_SPEED = 2  # rad/s
+COUNTS = 3  # encoder counts per rad; 0 = no encoder
+BACK = 4  # 3: column of the chassis' least-squares inverse
+BACK_ACROSS = 7  # 3: the second column of a steered wheel
+NO_LOAD = 10  # rad/s
+DECAY, MEAN = 11, 12  # first-order lag over one step
+TURN, TURN_LIMIT = 13, 14  # steering servo over one step: share of the gap, rad
+YAW = 15  # rad
+PX, PY = 16, 17  # m, contact seen from the centre of mass
+TRACTION = 18  # 3: row over the twist of the centre of mass along the direction of traction
+FREE = 21  # 3: the same along the direction in which a roller runs free
+KAPPA_R = 24  # m: rim speed along traction per wheel speed
+SIGMA_R = 25  # m: rim speed along the free direction per wheel speed
+GRIP, ROLLING = 26, 27  # N: largest friction along traction, along the free direction
+BACK_EMF, RESISTANCE = 28, 29  # V s/rad, ohm
+REACTANCE = 30  # ohm, L / dt
+TORQUE = 31  # N m/A: efficiency times back EMF
+COULOMB, VISCOUS = 32, 33  # N m, N m s/rad
+SPIN = 34  # kg m^2, rotor and gear
+LIMIT = 35  # A
+BLOCK = 36
 
-    `forward` (3, rows) is the chassis' least-squares inverse; `row` the first row of each wheel; `steered` its place
-    in steering arrays or -1. `decay`, `mean` are the first-order lag's factors for one step, `turn` the servo's.
-    `ax, ay` is the direction of traction (a roller's axis), `ex, ey` the rolling direction, `px, py` the contact
-    seen from the centre of mass; `grip` and `rolling` [N] are the friction force along traction and along the
-    direction in which the roller runs free.
-    """
-
-    radius: Array
-    max_speed: Array
-    steered: Array
-    row: Array
-    forward: Array
-    no_load: Array
-    decay: Array
-    mean: Array
-    turn: Array
-    turn_limit: Array
-    yaw: Array
-    ax: Array
-    ay: Array
-    ex: Array
-    ey: Array
-    px: Array
-    py: Array
-    grip: Array
-    rolling: Array
-    counts: Array  # encoder counts per rad, 0 = no encoder
-
-
-class MotorModel(NamedTuple):
-    """Gearmotors (n,) seen from the output shaft; `reactance` is L / dt [ohm]."""
-
-    back_emf: Array
-    resistance: Array
-    reactance: Array
-    efficiency: Array
-    coulomb: Array
-    viscous: Array
-    inertia: Array
-    limit: Array
-
-
-class ImuModel(NamedTuple):
-    """Yaw gyro and accelerometer; `rate` 0 = none, no reading."""
-
-    rate: float
-    x: float
-    y: float
-    theta: float
-    gyro_noise: float
-    gyro_bias: float
-    gyro_walk: float
-    accel_noise: float
-
-
-class RobotModel(NamedTuple):
-    """One robot at one physics step. `steps` physics steps of `dt` make one control period of `period` seconds."""
-
-    n: int
-    m: int
-    dt: float
-    period: float
-    steps: int
-    footprint: float
-    mass: float
-    inertia: float
-    com_x: float
-    com_y: float
-    slip_speed: float
-    battery_voltage: float
-    battery_resistance: float
-    battery_capacity: float
-    loop_kp: float
-    loop_ki: float
-    loop_filter: float  # share of the new encoder speed that is let in at each control tick
-    wheels: WheelModel
-    motors: MotorModel
-    lidar: LidarModel
-    imu: ImuModel
-    mice: Array  # (k, 5) x, y, theta of the mount, m per count, relative noise
+# --- row of a mouse ------------------------------------------------------------------------------
+MOUSE_X, MOUSE_Y, MOUSE_THETA, MOUSE_COUNT, MOUSE_NOISE, MOUSE = range(6)  # m, m, rad, m per count, 1, width
 
 
 @lru_cache(maxsize=64)
-def model_of(robot: Robot, dt_s: float) -> RobotModel:
+def model_of(robot: Robot, dt_s: float) -> Array:
     """The model of a described robot at a physics step [s].
 
     Raises:
@@ -119,98 +95,99 @@ def model_of(robot: Robot, dt_s: float) -> RobotModel:
             f"{robot.name} has {len(robot.wheels)} wheels and {len(robot.mice)} mice; "
             f"the simulator takes at most {MAX_WHEELS} and {MAX_MICE}"
         )
-    return RobotModel(
-        n=len(robot.wheels),
-        m=len(robot.steered),
-        dt=robot.control_period_s / steps,
-        period=robot.control_period_s,
-        steps=steps,
-        footprint=robot.footprint_radius_m,
-        mass=robot.mass_kg,
-        inertia=robot.inertia_kg_m2,
-        com_x=robot.centre_of_mass[0],
-        com_y=robot.centre_of_mass[1],
-        slip_speed=robot.ground.slip_speed_m_s,
-        battery_voltage=robot.battery.voltage_v,
-        battery_resistance=robot.battery.resistance_ohm,
-        battery_capacity=robot.battery.capacity_c,
-        loop_kp=robot.speed_loop.kp,
-        loop_ki=robot.speed_loop.ki,
-        loop_filter=1.0 - lag_factors(robot.speed_loop.filter_s, robot.control_period_s)[0],
-        wheels=_wheels(robot, robot.control_period_s / steps),
-        motors=_motors(robot, robot.control_period_s / steps),
-        lidar=lidar_model(robot.lidar),
-        imu=_imu(robot.imu),
-        mice=_rows([(*mouse.mount, mouse.resolution_m, mouse.noise_relative) for mouse in robot.mice], 5),
-    )
+    n, mice, beams = len(robot.wheels), len(robot.mice), robot.lidar.beams if robot.lidar else 0
+    model = np.zeros(WHEELS + n * BLOCK + mice * MOUSE + 2 * beams)
+    model[N], model[M], model[MICE], model[STEPS] = n, len(robot.steered), mice, steps
+    model[MICE_AT] = WHEELS + n * BLOCK
+    model[BEAMS_AT] = model[MICE_AT] + mice * MOUSE
+    _body(model, robot, robot.control_period_s / steps)
+    _wheels(model, robot, robot.control_period_s / steps)
+    if robot.imu:
+        _imu(model, robot.imu)
+    if robot.lidar:
+        _lidar(model, robot.lidar)
+    for k, mouse in enumerate(robot.mice):
+        at = int(model[MICE_AT]) + k * MOUSE
+        model[at : at + MOUSE] = (*mouse.mount, mouse.resolution_m, mouse.noise_relative)
+    return model
 
 
-def _wheels(robot: Robot, dt: float) -> WheelModel:
-    chassis, wheels = Chassis.of(robot), robot.wheels
-    lags = [lag_factors(w.motor.lag_s, dt) for w in wheels]
-    roll = _vector(w.yaw for w in wheels)
-    traction = _vector(w.yaw + (0.0 if w.kind == "swerve" else w.roller) for w in wheels)
-    (cx, cy), ground = robot.centre_of_mass, robot.ground
-    load = wheel_loads([(w.x, w.y) for w in wheels], (cx, cy), robot.mass_kg * GRAVITY, robot.name)
-    steered = [robot.steered.index(i) if w.kind == "swerve" else -1 for i, w in enumerate(wheels)]
-    servo = [wheels[i].steering for i in robot.steered]
-    return WheelModel(
-        radius=_vector(w.radius for w in wheels),
-        max_speed=_vector(w.max_speed_rad_s for w in wheels),
-        steered=np.array(steered, dtype=np.int64),
-        row=np.ascontiguousarray(chassis.row, dtype=np.int64),
-        forward=np.array(chassis.least_squares, dtype=np.float64, order="C"),
-        no_load=_vector(w.motor.no_load_speed_rad_s for w in wheels),
-        decay=_vector(lag[0] for lag in lags),
-        mean=_vector(lag[1] for lag in lags),
-        turn=_vector(1.0 - lag_factors(s.lag_s, dt)[0] if s else 1.0 for s in servo),
-        turn_limit=_vector(s.rate_rad_s * dt if s else math.inf for s in servo),
-        yaw=roll,
-        ax=np.cos(traction),
-        ay=np.sin(traction),
-        ex=np.cos(roll),
-        ey=np.sin(roll),
-        px=_vector(w.x - cx for w in wheels),
-        py=_vector(w.y - cy for w in wheels),
-        grip=ground.friction * load,
+def beam_angles(model: Array) -> Array:
+    """(b,) directions of the beams in the sensor's frame [rad]."""
+    return np.asarray(model[FIRST_BEAM] + model[BEAM_STEP] * np.arange(int(model[BEAMS]), dtype=np.float64))
+
+
+def _body(model: Array, robot: Robot, dt: float) -> None:
+    model[DT], model[PERIOD], model[FOOTPRINT] = dt, robot.control_period_s, robot.footprint_radius_m
+    model[MASS], model[INERTIA] = robot.mass_kg, robot.inertia_kg_m2
+    model[COM_X], model[COM_Y] = robot.centre_of_mass
+    model[SLIP_SPEED] = robot.ground.slip_speed_m_s
+    battery, loop = robot.battery, robot.speed_loop
+    model[BATTERY_V], model[BATTERY_R], model[BATTERY_C] = battery.voltage_v, battery.resistance_ohm, battery.capacity_c
+    model[LOOP_KP], model[LOOP_KI] = loop.kp, loop.ki
+    model[LOOP_FILTER] = 1.0 - lag_factors(loop.filter_s, robot.control_period_s)[0]
+
+
+def _wheels(model: Array, robot: Robot, dt: float) -> None:
+    chassis, (cx, cy), ground = Chassis.of(robot), robot.centre_of_mass, robot.ground
+    places = [(wheel.x, wheel.y) for wheel in robot.wheels]
+    loads = wheel_loads(places, (cx, cy), robot.mass_kg * GRAVITY, robot.name)
+    for i, (wheel, load) in enumerate(zip(robot.wheels, loads, strict=True)):
+        w, motor, swerve = model[WHEELS + i * BLOCK :][:BLOCK], wheel.motor, wheel.kind == "swerve"
+        w[STEERED] = robot.steered.index(i) if swerve else -1
+        w[RADIUS], w[MAX_SPEED], w[YAW] = wheel.radius, wheel.max_speed_rad_s, wheel.yaw
+        w[COUNTS] = wheel.encoder.counts_per_turn / (2.0 * math.pi) if wheel.encoder else 0.0
+        row = chassis.row[i]
+        w[BACK : BACK + 3] = chassis.least_squares[:, row]
+        if swerve:
+            w[BACK_ACROSS : BACK_ACROSS + 3] = chassis.least_squares[:, row + 1]
+        w[DECAY], w[MEAN] = lag_factors(motor.lag_s, dt)
+        servo = wheel.steering
+        w[TURN] = 1.0 - lag_factors(servo.lag_s, dt)[0] if servo else 1.0
+        w[TURN_LIMIT] = servo.rate_rad_s * dt if servo else math.inf
+        w[PX], w[PY] = wheel.x - cx, wheel.y - cy
+        contact(w, wheel.yaw, wheel.yaw + (0.0 if swerve else wheel.roller))
         # a plain tyre grips sideways as well; a roller only resists
-        rolling=_vector(ground.friction if w.kind == "swerve" else ground.roller_resistance for w in wheels) * load,
-        counts=_vector(w.encoder.counts_per_turn / (2.0 * math.pi) if w.encoder else 0.0 for w in wheels),
-    )
+        w[GRIP] = ground.friction * load
+        w[ROLLING] = (ground.friction if swerve else ground.roller_resistance) * load
+        w[NO_LOAD], w[BACK_EMF], w[RESISTANCE] = motor.no_load_speed_rad_s, motor.back_emf_v_s_rad, motor.resistance_ohm
+        w[REACTANCE], w[TORQUE] = motor.inductance_h / dt, motor.efficiency * motor.back_emf_v_s_rad
+        w[COULOMB], w[VISCOUS] = motor.coulomb_friction_n_m, motor.viscous_friction_n_m_s_rad
+        w[SPIN], w[LIMIT] = max(motor.inertia_kg_m2, 1e-9), motor.current_limit_a
 
 
-def _motors(robot: Robot, dt: float) -> MotorModel:
-    motors = [w.motor for w in robot.wheels]
-    return MotorModel(
-        back_emf=_vector(m.back_emf_v_s_rad for m in motors),
-        resistance=_vector(m.resistance_ohm for m in motors),
-        reactance=_vector(m.inductance_h / dt for m in motors),
-        efficiency=_vector(m.efficiency for m in motors),
-        coulomb=_vector(m.coulomb_friction_n_m for m in motors),
-        viscous=_vector(m.viscous_friction_n_m_s_rad for m in motors),
-        inertia=_vector(max(m.inertia_kg_m2, 1e-9) for m in motors),
-        limit=_vector(m.current_limit_a for m in motors),
-    )
+def contact(w: Array, roll: float, traction: float) -> None:
+    """Write the rows of a contact that rolls along `roll` [rad] and grips along `traction` [rad]."""
+    ax, ay, ex, ey = math.cos(traction), math.sin(traction), math.cos(roll), math.sin(roll)
+    w[TRACTION : TRACTION + 3] = ax, ay, w[PX] * ay - w[PY] * ax
+    w[FREE : FREE + 3] = -ay, ax, w[PX] * ax + w[PY] * ay
+    w[KAPPA_R], w[SIGMA_R] = (ax * ex + ay * ey) * w[RADIUS], (ax * ey - ay * ex) * w[RADIUS]
 
 
-def _imu(imu: Imu | None) -> ImuModel:
-    if imu is None:
-        return ImuModel(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    return ImuModel(
-        imu.rate_hz,
-        imu.mount.x,
-        imu.mount.y,
-        imu.mount.theta,
+def _imu(model: Array, imu: Imu) -> None:
+    model[IMU_RATE] = imu.rate_hz
+    model[IMU_X], model[IMU_Y], model[IMU_THETA] = imu.mount
+    model[GYRO_NOISE], model[GYRO_BIAS], model[GYRO_WALK] = (
         imu.gyro_noise_rad_s,
         imu.gyro_bias_rad_s,
         imu.gyro_bias_walk_rad_s,
-        imu.accel_noise_m_s2,
     )
+    model[ACCEL_NOISE] = imu.accel_noise_m_s2
 
 
-def _vector(values: Any) -> Array:
-    return np.array(list(values), dtype=np.float64)
-
-
-def _rows(rows: list[Any], width: int) -> Array:
-    return np.ascontiguousarray(np.array(rows, dtype=np.float64).reshape(-1, width))
+def _lidar(model: Array, lidar: Lidar) -> None:
+    whole = lidar.field_of_view_rad >= 2.0 * math.pi - 1e-9
+    gaps = lidar.beams if whole else max(1, lidar.beams - 1)
+    turn = -1.0 if lidar.clockwise else 1.0
+    model[BEAMS] = lidar.beams
+    model[LIDAR_X], model[LIDAR_Y], model[LIDAR_THETA] = lidar.mount
+    model[FIRST_BEAM] = 0.0 if whole else -0.5 * turn * lidar.field_of_view_rad
+    model[BEAM_STEP] = turn * min(lidar.field_of_view_rad, 2.0 * math.pi) / gaps
+    model[SCAN_PERIOD] = 1.0 / lidar.rate_hz
+    # the mirror turns evenly, so that a narrow field of view is seen in a part of the revolution only
+    if lidar.motion_distortion:
+        model[BEAM_PERIOD] = abs(model[BEAM_STEP]) / (2.0 * math.pi) / lidar.rate_hz
+    model[RANGE_MIN], model[RANGE_MAX] = lidar.range_min, lidar.range_max
+    model[RANGE_NOISE], model[RANGE_NOISE_RELATIVE], model[DROPOUT] = lidar.noise_m, lidar.noise_relative, lidar.dropout
+    angles, at = beam_angles(model), int(model[BEAMS_AT])
+    model[at : at + lidar.beams], model[at + lidar.beams :] = np.cos(angles), np.sin(angles)

@@ -7,10 +7,10 @@ from numba import njit
 
 from holodrive import layout
 from holodrive.actuators.speed_loop import speed_loop_step
+from holodrive.sim import model as md
 from holodrive.sim import state as st
 from holodrive.sim.contact import free_distance, write_event
 from holodrive.sim.first_order import first_order_period
-from holodrive.sim.model import RobotModel
 from holodrive.sim.sensors import sense
 from holodrive.sim.slip import slip_period
 from holodrive.types import Array
@@ -27,7 +27,7 @@ def start(model, obstacles, state, key, ranges, pending, x, y, theta):  # type: 
     for i in range(3):
         state[st.TICK_POSE + i] = state[st.POSE + i]
     state[st.GYRO] = state[st.ACCEL] = state[st.ACCEL + 1] = state[st.SCAN_TIME] = math.nan
-    state[st.VOLTAGE] = model.battery_voltage
+    state[st.VOLTAGE] = model[md.BATTERY_V]
     state[st.FREE] = free_distance(model, obstacles, state, 0.0)
     ranges[:] = math.nan
     sense(model, obstacles, state, key, ranges, pending)
@@ -40,23 +40,24 @@ def accept(model, state, events, values, steer, direct):  # type: ignore[no-unty
     A number that is not finite stops the robot for good (`state.FAULT`). Speeds over a wheel's limit are scaled
     down together, which keeps the direction; duties are cut at 1.
     """
+    n, m = int(model[md.N]), int(model[md.M])
     scale, finite = 1.0, True
-    for i in range(model.n):
+    for i in range(n):
         finite = finite and math.isfinite(values[i])
         if not direct:
-            scale = max(scale, abs(values[i]) / model.wheels.max_speed[i])
-    for j in range(model.m):
+            scale = max(scale, abs(values[i]) / model[md.WHEELS + i * md.BLOCK + md.MAX_SPEED])
+    for j in range(m):
         finite = finite and math.isfinite(steer[j])
     if not finite and state[st.FAULT] == 0.0:
         state[st.FAULT] = 1.0
-        write_event(state, events, state[st.TICK] * model.period, st.COMMAND_FAULT)
+        write_event(state, events, state[st.TICK] * model[md.PERIOD], st.COMMAND_FAULT)
     stop = state[st.FAULT] != 0.0
     state[st.DIRECT] = 1.0 if direct and not stop else 0.0
-    for i in range(model.n):
+    for i in range(n):
         value = min(1.0, max(-1.0, values[i])) if direct else values[i] / scale
         state[st.COMMAND + i] = 0.0 if stop else value
     if not stop:
-        for j in range(model.m):
+        for j in range(m):
             state[st.STEER_COMMAND + j] = steer[j]
 
 
@@ -78,52 +79,48 @@ def advance(plant, model, obstacles, state, events, key, ranges, pending):  # ty
 @njit(cache=True, error_model="numpy")
 def drive(model, state):  # type: ignore[no-untyped-def]
     """The motor board: wheel-speed commands to duties; by feed-forward alone where there is no encoder."""
-    wheels = model.wheels
-    for i in range(model.n):
-        command = state[st.COMMAND + i]
+    kp, ki, period = model[md.LOOP_KP], model[md.LOOP_KI], model[md.PERIOD]
+    for i in range(int(model[md.N])):
+        w, command = md.WHEELS + i * md.BLOCK, state[st.COMMAND + i]
+        no_load = model[w + md.NO_LOAD]
         if state[st.DIRECT] != 0.0:
             state[st.DUTY + i], state[st.INTEGRAL + i] = command, 0.0
-        elif wheels.counts[i] == 0.0:
-            state[st.DUTY + i] = min(1.0, max(-1.0, command / wheels.no_load[i]))
+        elif model[w + md.COUNTS] == 0.0:
+            state[st.DUTY + i] = min(1.0, max(-1.0, command / no_load))
         else:
             state[st.DUTY + i], state[st.INTEGRAL + i] = speed_loop_step(
-                command,
-                state[st.MEASURED + i],
-                state[st.INTEGRAL + i],
-                wheels.no_load[i],
-                model.loop_kp,
-                model.loop_ki,
-                model.period,
+                command, state[st.MEASURED + i], state[st.INTEGRAL + i], no_load, kp, ki, period
             )
 
 
 @njit(cache=True, error_model="numpy")
 def fill(model, state, ranges, obs):  # type: ignore[no-untyped-def]
     """Write what the sensors tell into a flat observation (`holodrive.layout`); belief and wish stay as they are."""
-    obs[layout.TIME], obs[layout.DT] = state[st.TICK] * model.period, model.period
+    obs[layout.TIME], obs[layout.DT] = state[st.TICK] * model[md.PERIOD], model[md.PERIOD]
     obs[layout.GYRO] = state[st.GYRO]
     obs[layout.ACCEL], obs[layout.ACCEL + 1] = state[st.ACCEL], state[st.ACCEL + 1]
-    obs[layout.N_WHEELS], obs[layout.N_STEER] = model.n, model.m
-    for i in range(model.n):
-        counts = model.wheels.counts[i]
+    n, m = int(model[md.N]), int(model[md.M])
+    obs[layout.N_WHEELS], obs[layout.N_STEER] = n, m
+    for i in range(n):
+        counts = model[md.WHEELS + i * md.BLOCK + md.COUNTS]
         obs[layout.WHEEL_POSITION + i] = state[st.COUNT + i] / counts if counts > 0.0 else math.nan
         obs[layout.WHEEL_SPEED + i] = state[st.MEASURED + i]
-    for j in range(model.m):
+    for j in range(m):
         obs[layout.STEER + j] = state[st.STEER + j]
-    mice = model.mice.shape[0]
+    mice = int(model[md.MICE])
     obs[layout.N_MICE] = mice
     for k in range(2 * mice):
         obs[layout.MICE + k] = state[st.MICE + k]
     fresh = state[st.SCAN_IS_NEW]
     obs[layout.SCAN_IS_NEW], obs[layout.SCAN_TIME] = fresh, state[st.SCAN_TIME]
     if fresh != 0.0:
-        lidar = model.lidar
-        obs[layout.N_BEAMS], obs[layout.BEAM_FIRST] = lidar.beams, lidar.first
-        obs[layout.BEAM_STEP], obs[layout.BEAM_PERIOD] = lidar.step, lidar.beam_period
-        obs[layout.BEAMS : layout.BEAMS + lidar.beams] = ranges
+        obs[layout.N_BEAMS], obs[layout.BEAM_FIRST] = model[md.BEAMS], model[md.FIRST_BEAM]
+        obs[layout.BEAM_STEP], obs[layout.BEAM_PERIOD] = model[md.BEAM_STEP], model[md.BEAM_PERIOD]
+        for i in range(ranges.shape[0]):
+            obs[layout.BEAMS + i] = ranges[i]
 
 
-def scratch(model: RobotModel, events: int = 64) -> tuple[Array, Array, Array, Array]:
+def scratch(model: Array, events: int = 64) -> tuple[Array, Array, Array, Array]:
     """State row, event table, newest scan and scan under way of one robot."""
-    beams = model.lidar.beams
+    beams = int(model[md.BEAMS])
     return np.zeros(st.SIZE), np.zeros((events, st.EVENT_SIZE)), np.full(beams, math.nan), np.zeros(beams)

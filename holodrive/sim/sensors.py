@@ -2,9 +2,11 @@
 
 import math
 
+import numpy as np
 from numba import njit
 
 from holodrive.sim import lidar as rays
+from holodrive.sim import model as md
 from holodrive.sim import state as st
 from holodrive.sim import streams
 
@@ -19,104 +21,110 @@ def sense(model, obstacles, state, key, ranges, pending):  # type: ignore[no-unt
         ranges: (b,) the newest whole scan.
         pending: (b,) the scan under way.
     """
-    time = state[st.TICK] * model.period
+    time = state[st.TICK] * model[md.PERIOD]
     read_encoders(model, state)
-    if model.imu.rate > 0.0:
+    if model[md.IMU_RATE] > 0.0:
         read_imu(model, state, key, time)
-    if model.mice.shape[0] > 0:
-        read_mice(model.mice, state, key)
-    if model.lidar.beams > 0:
+    if model[md.MICE] > 0.0:
+        read_mice(model, state, key)
+    if model[md.BEAMS] > 0.0:
         state[st.SCAN_IS_NEW] = 0.0
-        if model.lidar.beam_period > 0.0:
+        if model[md.BEAM_PERIOD] > 0.0:
             sweep(model, obstacles, state, key, ranges, pending, time)
-        elif time >= state[st.SCANS] * model.lidar.period - 1e-9:
-            rays.cast(ranges, model.lidar, obstacles, time, state[st.POSE], state[st.POSE + 1], state[st.POSE + 2])
-            rays.read(ranges, model.lidar, key, int(state[st.SCANS]))
+        elif time >= state[st.SCANS] * model[md.SCAN_PERIOD] - 1e-9:
+            rays.cast(ranges, model, obstacles, time, state[st.POSE], state[st.POSE + 1], state[st.POSE + 2])
+            rays.read(ranges, model, key, int(state[st.SCANS]))
             scan_done(state, time)
 
 
 @njit(cache=True, error_model="numpy")
 def read_encoders(model, state):  # type: ignore[no-untyped-def]
     """Whole counts since the start, and the motor board's filtered speed. A wheel without encoder tells NaN."""
-    counts = model.wheels.counts
-    for i in range(model.n):
-        if counts[i] == 0.0:
+    for i in range(int(model[md.N])):
+        counts = model[md.WHEELS + i * md.BLOCK + md.COUNTS]
+        if counts == 0.0:
             state[st.COUNT + i] = state[st.MEASURED + i] = math.nan
             continue
-        count = math.floor(state[st.WHEEL_ANGLE + i] * counts[i])
+        count = math.floor(state[st.WHEEL_ANGLE + i] * counts)
         if state[st.TICK] > 0.0:
-            speed = (count - state[st.COUNT + i]) / (counts[i] * model.period)
-            state[st.MEASURED + i] += model.loop_filter * (speed - state[st.MEASURED + i])
+            speed = (count - state[st.COUNT + i]) / (counts * model[md.PERIOD])
+            state[st.MEASURED + i] += model[md.LOOP_FILTER] * (speed - state[st.MEASURED + i])
         state[st.COUNT + i] = count
 
 
 @njit(cache=True, error_model="numpy")
 def read_imu(model, state, key, time):  # type: ignore[no-untyped-def]
     """Hold a sample until the next one is due; noise belongs to the sample's number, bias walks with it."""
-    imu = model.imu
-    sample = math.floor(time * imu.rate + 1e-9) + 1.0
+    rate = model[md.IMU_RATE]
+    sample = math.floor(time * rate + 1e-9) + 1.0
     if sample == state[st.IMU_SAMPLE]:
         return
     passed = min(sample - state[st.IMU_SAMPLE], sample - 1.0)
     state[st.IMU_SAMPLE] = sample
     number = int(sample)
     walk = streams.gauss(streams.draw(key, streams.GYRO_WALK, number))
-    state[st.GYRO_WALK] += imu.gyro_walk * math.sqrt(passed / imu.rate) * walk
-    noise = imu.gyro_noise * streams.gauss(streams.draw(key, streams.GYRO, number))
+    state[st.GYRO_WALK] += model[md.GYRO_WALK] * math.sqrt(passed / rate) * walk
+    noise = model[md.GYRO_NOISE] * streams.gauss(streams.draw(key, streams.GYRO, number))
     omega = state[st.TWIST + 2]
-    state[st.GYRO] = omega + imu.gyro_bias + state[st.GYRO_WALK] + noise
+    state[st.GYRO] = omega + model[md.GYRO_BIAS] + state[st.GYRO_WALK] + noise
     # mean acceleration of the last control period in body axes: dv/dt + omega x v, then the lever arm
-    t = model.period
+    t = model[md.PERIOD]
     ax = ay = alpha = 0.0
     if state[st.TICK] > 0.0:
         ax = (state[st.TWIST] - state[st.TICK_TWIST]) / t - omega * state[st.TWIST + 1]
         ay = (state[st.TWIST + 1] - state[st.TICK_TWIST + 1]) / t + omega * state[st.TWIST]
         alpha = (omega - state[st.TICK_TWIST + 2]) / t
-    ax -= alpha * imu.y + omega * omega * imu.x
-    ay += alpha * imu.x - omega * omega * imu.y
-    c, s = math.cos(imu.theta), math.sin(imu.theta)
-    state[st.ACCEL] = c * ax + s * ay + imu.accel_noise * streams.gauss(streams.draw(key, streams.ACCEL, 2 * number))
+    ax -= alpha * model[md.IMU_Y] + omega * omega * model[md.IMU_X]
+    ay += alpha * model[md.IMU_X] - omega * omega * model[md.IMU_Y]
+    c, s = math.cos(model[md.IMU_THETA]), math.sin(model[md.IMU_THETA])
+    state[st.ACCEL] = (
+        c * ax + s * ay + model[md.ACCEL_NOISE] * streams.gauss(streams.draw(key, streams.ACCEL, 2 * number))
+    )
     state[st.ACCEL + 1] = (
-        c * ay - s * ax + imu.accel_noise * streams.gauss(streams.draw(key, streams.ACCEL, 2 * number + 1))
+        c * ay - s * ax + model[md.ACCEL_NOISE] * streams.gauss(streams.draw(key, streams.ACCEL, 2 * number + 1))
     )
 
 
 @njit(cache=True, error_model="numpy")
-def read_mice(mice, state, key):  # type: ignore[no-untyped-def]
+def read_mice(model, state, key):  # type: ignore[no-untyped-def]
     """Whole counts that the ground has passed by since the last tick; what is left of a count is carried on."""
     tick = int(state[st.TICK])
-    for k in range(mice.shape[0]):
+    for k in range(int(model[md.MICE])):
+        m = int(model[md.MICE_AT]) + k * md.MOUSE
         # a sensor's displacement is linear in the body's, so that the integral over the period is enough
-        dx = state[st.MOVED] - state[st.MOVED + 2] * mice[k, 1]
-        dy = state[st.MOVED + 1] + state[st.MOVED + 2] * mice[k, 0]
-        c, s = math.cos(mice[k, 2]), math.sin(mice[k, 2])
+        dx = state[st.MOVED] - state[st.MOVED + 2] * model[m + md.MOUSE_Y]
+        dy = state[st.MOVED + 1] + state[st.MOVED + 2] * model[m + md.MOUSE_X]
+        c, s = math.cos(model[m + md.MOUSE_THETA]), math.sin(model[m + md.MOUSE_THETA])
+        noise, resolution = model[m + md.MOUSE_NOISE], model[m + md.MOUSE_COUNT]
         for axis in range(2):
             way = c * dx + s * dy if axis == 0 else c * dy - s * dx
             at = 2 * k + axis
-            if mice[k, 4] > 0.0:
-                way *= 1.0 + mice[k, 4] * streams.gauss(streams.draw(key, streams.MICE + 16 * at, tick))
-            total = state[st.MICE_CARRY + at] + way / mice[k, 3]
+            if noise > 0.0:
+                way *= 1.0 + noise * streams.gauss(
+                    streams.draw_index(streams.draw(key, streams.MICE, tick), np.uint64(at))
+                )
+            total = state[st.MICE_CARRY + at] + way / resolution
             count = math.floor(total)
             state[st.MICE_CARRY + at] = total - count
-            state[st.MICE + at] = count * mice[k, 3]
+            state[st.MICE + at] = count * resolution
 
 
 @njit(cache=True, error_model="numpy")
 def sweep(model, obstacles, state, key, ranges, pending, time):  # type: ignore[no-untyped-def]
     """Take the beams whose time has come since the last tick, each from where the robot was at its time."""
-    lidar, period = model.lidar, model.period
+    period, beams = model[md.PERIOD], int(model[md.BEAMS])
     x0, y0, t0 = state[st.TICK_POSE], state[st.TICK_POSE + 1], state[st.TICK_POSE + 2]
     dx, dy, turn = state[st.POSE] - x0, state[st.POSE + 1] - y0, state[st.POSE + 2] - t0
     while True:
         scan, beam = int(state[st.SCANS]), int(state[st.NEXT_BEAM])
-        at = scan * lidar.period + (beam + 1.0) * lidar.beam_period
+        at = scan * model[md.SCAN_PERIOD] + (beam + 1.0) * model[md.BEAM_PERIOD]
         if at > time + 1e-9:
             return
         share = 1.0 + (at - time) / period
-        distance = rays.cast_beam(lidar, obstacles, beam, at, x0 + share * dx, y0 + share * dy, t0 + share * turn)
-        pending[beam] = rays.read_beam(distance, lidar, key, scan, beam)
+        distance = rays.cast_beam(beam, model, obstacles, at, x0 + share * dx, y0 + share * dy, t0 + share * turn)
+        pending[beam] = rays.read_beam(distance, model, key, scan, beam)
         state[st.NEXT_BEAM] += 1.0
-        if beam + 1 == lidar.beams:
+        if beam + 1 == beams:
             ranges[:] = pending
             scan_done(state, at)
 

@@ -23,38 +23,40 @@ import math
 import numpy as np
 from numba import njit
 
+from holodrive import obstacles as ob
 from holodrive.actuators.dc_motor import bus_voltage, conductance, dry_friction
 from holodrive.layout import MAX_WHEELS
+from holodrive.sim import model as md
 from holodrive.sim import state as st
 from holodrive.sim.contact import keep_outside
 from holodrive.sim.first_order import steer
 from holodrive.sim.turn import turn_factors
 
-# columns of the contact table: A (3), F (3), kappa r, sigma r, then this step's N, 1 / D, dt h (3), conductance
+# scratch of a wheel: rows along traction and along the free direction, then this step's numbers
 _A, _F, _KAPPA, _SIGMA, _N, _D, _H, _G = 0, 3, 6, 7, 8, 9, 10, 13
 _COLUMNS = 14
 
 
 @njit(cache=True, error_model="numpy")
 def slip_period(model, obstacles, state, events):  # type: ignore[no-untyped-def]
-    """One control period of `model.steps` physics steps with the duties and steering commands in `state`."""
-    dt, fastest, cx, cy = model.dt, obstacles.fastest * model.dt, model.com_x, model.com_y
-    tick, theta = state[st.TICK], state[st.POSE + 2]
-    c, s, free = math.cos(theta), math.sin(theta), state[st.FREE]
+    """One control period of physics steps with the duties and steering commands in `state`."""
+    n, steps, dt = int(model[md.N]), int(model[md.STEPS]), model[md.DT]
+    steered, fastest, cx, cy = model[md.M] > 0.0, obstacles[ob.FASTEST] * dt, model[md.COM_X], model[md.COM_Y]
+    theta, free = state[st.POSE + 2], state[st.FREE]
+    c, s = math.cos(theta), math.sin(theta)
     x, y = state[st.POSE] + c * cx - s * cy, state[st.POSE + 1] + s * cx + c * cy
     omega = state[st.TWIST + 2]
     vx, vy = state[st.TWIST] - omega * cy, state[st.TWIST + 1] + omega * cx
     table = np.empty((MAX_WHEELS, _COLUMNS))
-    for i in range(model.n):
-        contact_rows(model.wheels, state, table, i)
+    contacts(model, state, table, n)
     moved_x = moved_y = moved_turn = 0.0
-    for k in range(model.steps):
-        if model.m > 0:
-            steer(model.wheels, state, model.m)
-            for i in range(model.n):
-                if model.wheels.steered[i] >= 0:
-                    contact_rows(model.wheels, state, table, i)
-        vx, vy, omega = body_step(model, state, table, battery(model, state, table, dt), vx, vy, omega)
+    for k in range(steps):
+        if steered:
+            steer(model, state, n)
+            contacts(model, state, table, n)
+        voltage = battery(model, state, table, n)
+        vx, vy, omega = body_step(model, state, table, voltage, n, vx, vy, omega)
+        spin(model, state, table, voltage, n, vx, vy, omega)
         x, y, turn = x + (c * vx - s * vy) * dt, y + (s * vx + c * vy) * dt, omega * dt
         theta += turn
         sine, versine = turn_factors(turn)
@@ -64,11 +66,11 @@ def slip_period(model, obstacles, state, events):  # type: ignore[no-untyped-def
         bx, by = vx + omega * cy, vy - omega * cx
         moved_x, moved_y, moved_turn = moved_x + bx * dt, moved_y + by * dt, moved_turn + turn
         free -= (abs(bx) + abs(by)) * dt + fastest
-        if free < 0.0 or k == model.steps - 1:
+        if free < 0.0 or k == steps - 1:
             state[st.POSE], state[st.POSE + 1], state[st.POSE + 2] = x - c * cx + s * cy, y - s * cx - c * cy, theta
             state[st.TWIST], state[st.TWIST + 1], state[st.TWIST + 2] = bx, by, omega
             if free < 0.0:
-                keep_outside(model, obstacles, state, events, (tick * model.steps + k + 1) * dt)
+                keep_outside(model, obstacles, state, events, (state[st.TICK] * steps + k + 1) * dt)
                 free = state[st.FREE]
                 x, y = state[st.POSE] + c * cx - s * cy, state[st.POSE + 1] + s * cx + c * cy
                 vx, vy = state[st.TWIST] - omega * cy, state[st.TWIST + 1] + omega * cx
@@ -77,86 +79,85 @@ def slip_period(model, obstacles, state, events):  # type: ignore[no-untyped-def
 
 
 @njit(cache=True, error_model="numpy")
-def contact_rows(wheels, state, table, i):  # type: ignore[no-untyped-def]
+def contacts(model, state, table, n):  # type: ignore[no-untyped-def]
     """Directions of traction and of free rolling as rows over the twist of the centre of mass."""
-    ax, ay, ex, ey = wheels.ax[i], wheels.ay[i], wheels.ex[i], wheels.ey[i]
-    j = wheels.steered[i]
-    if j >= 0:
-        angle = wheels.yaw[i] + state[st.STEER + j]
+    for i in range(n):
+        w = md.WHEELS + i * md.BLOCK
+        j = int(model[w + md.STEERED])
+        if j < 0:
+            for k in range(8):
+                table[i, k] = model[w + md.TRACTION + k]
+            continue
+        angle, px, py = model[w + md.YAW] + state[st.STEER + j], model[w + md.PX], model[w + md.PY]
         ax, ay = math.cos(angle), math.sin(angle)
-        ex, ey = ax, ay
-    px, py = wheels.px[i], wheels.py[i]
-    table[i, _A], table[i, _A + 1], table[i, _A + 2] = ax, ay, px * ay - py * ax
-    table[i, _F], table[i, _F + 1], table[i, _F + 2] = -ay, ax, px * ax + py * ay
-    table[i, _KAPPA] = (ax * ex + ay * ey) * wheels.radius[i]
-    table[i, _SIGMA] = (ax * ey - ay * ex) * wheels.radius[i]
+        table[i, _A], table[i, _A + 1], table[i, _A + 2] = ax, ay, px * ay - py * ax
+        table[i, _F], table[i, _F + 1], table[i, _F + 2] = -ay, ax, px * ax + py * ay
+        table[i, _KAPPA], table[i, _SIGMA] = model[w + md.RADIUS], 0.0
 
 
 @njit(cache=True, error_model="numpy")
-def battery(model, state, table, dt):  # type: ignore[no-untyped-def]
+def battery(model, state, table, n):  # type: ignore[no-untyped-def]
     """Conductances of the motors under their current limits, and the voltage [V] that the battery holds."""
-    motors, last = model.motors, state[st.VOLTAGE]
+    last = state[st.VOLTAGE]
     at_zero = per_volt = 0.0
-    for i in range(model.n):
+    for i in range(n):
+        w = md.WHEELS + i * md.BLOCK
         duty, speed, current = state[st.DUTY + i], state[st.WHEEL_SPEED + i], state[st.CURRENT + i]
-        g = conductance(
-            duty * last,
-            speed,
-            current,
-            motors.back_emf[i],
-            motors.resistance[i],
-            motors.reactance[i],
-            motors.limit[i],
-        )
+        emf, reactance = model[w + md.BACK_EMF], model[w + md.REACTANCE]
+        g = conductance(duty * last, speed, current, emf, model[w + md.RESISTANCE], reactance, model[w + md.LIMIT])
         table[i, _G] = g
-        at_zero += duty * g * (motors.reactance[i] * current - motors.back_emf[i] * speed)
+        at_zero += duty * g * (reactance * current - emf * speed)
         per_volt += duty * duty * g
-    full = model.battery_voltage if state[st.CHARGE] < model.battery_capacity else 0.0
-    voltage = bus_voltage(full, model.battery_resistance, at_zero, per_volt)
+    full = model[md.BATTERY_V] if state[st.CHARGE] < model[md.BATTERY_C] else 0.0
+    voltage = bus_voltage(full, model[md.BATTERY_R], at_zero, per_volt)
     state[st.VOLTAGE] = voltage
     return voltage
 
 
 @njit(cache=True, error_model="numpy")
-def body_step(model, state, table, voltage, vx, vy, omega):  # type: ignore[no-untyped-def]
-    """New velocity of the centre of mass in the old axes (3); wheels and currents go to `state`."""
-    dt, floor = model.dt, model.slip_speed * model.slip_speed
-    wheels, motors = model.wheels, model.motors
-    m11, m22, m33 = model.mass, model.mass, model.inertia
-    b1, b2, b3 = model.mass * vx, model.mass * vy, model.inertia * omega
+def body_step(model, state, table, voltage, n, vx, vy, omega):  # type: ignore[no-untyped-def]
+    """New velocity of the centre of mass in the old axes (3); what the wheels need of the step goes to `table`."""
+    dt, floor, mass = model[md.DT], model[md.SLIP_SPEED] * model[md.SLIP_SPEED], model[md.MASS]
+    m11, m22, m33 = mass, mass, model[md.INERTIA]
+    b1, b2, b3 = mass * vx, mass * vy, model[md.INERTIA] * omega
     m12 = m13 = m23 = 0.0
-    for i in range(model.n):
-        w = state[st.WHEEL_SPEED + i]
+    for i in range(n):
+        w, speed = md.WHEELS + i * md.BLOCK, state[st.WHEEL_SPEED + i]
         a1, a2, a3 = table[i, _A], table[i, _A + 1], table[i, _A + 2]
         f1, f2, f3 = table[i, _F], table[i, _F + 1], table[i, _F + 2]
         kr, sr = table[i, _KAPPA], table[i, _SIGMA]
-        s = a1 * vx + a2 * vy + a3 * omega - kr * w
-        q = f1 * vx + f2 * vy + f3 * omega - sr * w
-        if wheels.steered[i] >= 0:
-            k_a = wheels.grip[i] / math.sqrt(s * s + q * q + floor)
+        s = a1 * vx + a2 * vy + a3 * omega - kr * speed
+        q = f1 * vx + f2 * vy + f3 * omega - sr * speed
+        if model[w + md.STEERED] >= 0.0:  # friction circle of a plain tyre
+            k_a = dt * model[w + md.GRIP] / math.sqrt(s * s + q * q + floor)
             k_f = k_a
         else:
-            k_a = wheels.grip[i] / math.sqrt(s * s + floor)
-            k_f = wheels.rolling[i] / math.sqrt(q * q + floor)
-        torque = motors.efficiency[i] * motors.back_emf[i] * table[i, _G]
-        damping = motors.viscous[i] + dry_friction(motors.coulomb[i], w) + torque * motors.back_emf[i]
-        inverse = 1.0 / (motors.inertia[i] + dt * (damping + k_a * kr * kr + k_f * sr * sr))
-        push = state[st.DUTY + i] * voltage + motors.reactance[i] * state[st.CURRENT + i]
-        ready = motors.inertia[i] * w + dt * torque * push
-        k_a, k_f = dt * k_a, dt * k_f
-        h1, h2, h3 = k_a * kr * a1 + k_f * sr * f1, k_a * kr * a2 + k_f * sr * f2, k_a * kr * a3 + k_f * sr * f3
+            k_a = dt * model[w + md.GRIP] / math.sqrt(s * s + floor)
+            k_f = dt * model[w + md.ROLLING] / math.sqrt(q * q + floor)
+        ka, fs = k_a * kr, k_f * sr
+        ready, damping = motor_step(model, state, w, i, voltage, table[i, _G], speed)
+        inverse = 1.0 / (model[w + md.SPIN] + dt * damping + ka * kr + fs * sr)
+        h1, h2, h3 = ka * a1 + fs * f1, ka * a2 + fs * f2, ka * a3 + fs * f3
         table[i, _N], table[i, _D] = ready, inverse
         table[i, _H], table[i, _H + 1], table[i, _H + 2] = h1, h2, h3
-        m11 += k_a * a1 * a1 + k_f * f1 * f1 - h1 * h1 * inverse
-        m12 += k_a * a1 * a2 + k_f * f1 * f2 - h1 * h2 * inverse
-        m13 += k_a * a1 * a3 + k_f * f1 * f3 - h1 * h3 * inverse
-        m22 += k_a * a2 * a2 + k_f * f2 * f2 - h2 * h2 * inverse
-        m23 += k_a * a2 * a3 + k_f * f2 * f3 - h2 * h3 * inverse
-        m33 += k_a * a3 * a3 + k_f * f3 * f3 - h3 * h3 * inverse
-        b1, b2, b3 = b1 + h1 * ready * inverse, b2 + h2 * ready * inverse, b3 + h3 * ready * inverse
-    vx, vy, omega = solve_symmetric(m11, m12, m13, m22, m23, m33, b1, b2, b3)
-    spin(model, state, table, voltage, vx, vy, omega)
-    return vx, vy, omega
+        p1, p2, p3 = h1 * inverse, h2 * inverse, h3 * inverse
+        m11 += k_a * a1 * a1 + k_f * f1 * f1 - h1 * p1
+        m12 += k_a * a1 * a2 + k_f * f1 * f2 - h1 * p2
+        m13 += k_a * a1 * a3 + k_f * f1 * f3 - h1 * p3
+        m22 += k_a * a2 * a2 + k_f * f2 * f2 - h2 * p2
+        m23 += k_a * a2 * a3 + k_f * f2 * f3 - h2 * p3
+        m33 += k_a * a3 * a3 + k_f * f3 * f3 - h3 * p3
+        b1, b2, b3 = b1 + p1 * ready, b2 + p2 * ready, b3 + p3 * ready
+    return solve_symmetric(m11, m12, m13, m22, m23, m33, b1, b2, b3)
+
+
+@njit(cache=True, error_model="numpy")
+def motor_step(model, state, w, i, voltage, conductance, speed):  # type: ignore[no-untyped-def]
+    """Angular momentum N with the motor's push in it [N m s], and all that brakes per speed [N m s/rad]."""
+    torque = model[w + md.TORQUE] * conductance
+    push = state[st.DUTY + i] * voltage + model[w + md.REACTANCE] * state[st.CURRENT + i]
+    damping = model[w + md.VISCOUS] + dry_friction(model[w + md.COULOMB], speed) + torque * model[w + md.BACK_EMF]
+    return model[w + md.SPIN] * speed + model[md.DT] * torque * push, damping
 
 
 @njit(cache=True, error_model="numpy")
@@ -173,16 +174,17 @@ def solve_symmetric(m11, m12, m13, m22, m23, m33, b1, b2, b3):  # type: ignore[n
 
 
 @njit(cache=True, error_model="numpy")
-def spin(model, state, table, voltage, vx, vy, omega):  # type: ignore[no-untyped-def]
+def spin(model, state, table, voltage, n, vx, vy, omega):  # type: ignore[no-untyped-def]
     """Wheel speeds, angles, currents and what the battery gave, from the body's new velocity."""
-    dt, motors = model.dt, model.motors
-    drawn = 0.0
-    for i in range(model.n):
-        w = (table[i, _N] + table[i, _H] * vx + table[i, _H + 1] * vy + table[i, _H + 2] * omega) * table[i, _D]
-        push = state[st.DUTY + i] * voltage + motors.reactance[i] * state[st.CURRENT + i]
-        current = table[i, _G] * (push - motors.back_emf[i] * w)
-        state[st.WHEEL_SPEED + i], state[st.CURRENT + i] = w, current
-        state[st.WHEEL_ANGLE + i] += w * dt
+    dt, drawn = model[md.DT], 0.0
+    for i in range(n):
+        w = md.WHEELS + i * md.BLOCK
+        pull = table[i, _H] * vx + table[i, _H + 1] * vy + table[i, _H + 2] * omega
+        speed = (table[i, _N] + pull) * table[i, _D]
+        push = state[st.DUTY + i] * voltage + model[w + md.REACTANCE] * state[st.CURRENT + i]
+        current = table[i, _G] * (push - model[w + md.BACK_EMF] * speed)
+        state[st.WHEEL_SPEED + i], state[st.CURRENT + i] = speed, current
+        state[st.WHEEL_ANGLE + i] += speed * dt
         drawn += state[st.DUTY + i] * current
     state[st.CHARGE] += drawn * dt
     state[st.ENERGY] += voltage * drawn * dt

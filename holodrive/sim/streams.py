@@ -49,15 +49,9 @@ def draw(key, stream, step):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def draw_index(bits, index_hash):  # type: ignore[no-untyped-def]
-    """64 random bits of an index within a step; `index_hash` is `hash_of(index)`, made once."""
-    return mix(bits ^ index_hash)
-
-
-@njit(cache=True, error_model="numpy")
-def hash_of(index):  # type: ignore[no-untyped-def]
-    """What `draw_index` wants of an index."""
-    return mix(np.uint64(index) * _A + _GOLDEN)
+def draw_index(bits, index):  # type: ignore[no-untyped-def]
+    """64 random bits of an index (uint64) within a step. The odd factor spreads indices over all 64 bits."""
+    return mix(bits ^ (index * _A + _GOLDEN))
 
 
 @njit(cache=True, error_model="numpy")
