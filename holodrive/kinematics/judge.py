@@ -15,6 +15,7 @@ from holodrive.types import Array
 
 WARN_CONDITION = 10.0
 MAX_CONDITION = 1e6
+MIN_LEVER = 0.1  # of the wheels' mean distance, see characteristic_length
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,8 +50,14 @@ def judge(wheels: Sequence[Wheel], rows: Array) -> Verdict:
 
 
 def characteristic_length(wheels: Sequence[Wheel]) -> float:
-    """L_c [m]: mean lever of the wheels, 1 when no wheel has any."""
-    return sum(wheel.lever for wheel in wheels) / len(wheels) or 1.0
+    """L_c [m]: mean lever of the wheels, but at least a tenth of their mean distance from `base_link`.
+
+    Without that floor the scaling would make up for any lever however small, and call a base sound whose axes all
+    pass through `base_link` up to rounding.
+    """
+    lever = sum(wheel.lever for wheel in wheels) / len(wheels)
+    distance = sum(math.hypot(wheel.x, wheel.y) for wheel in wheels) / len(wheels)
+    return max(lever, MIN_LEVER * distance) or 1.0
 
 
 def _in_words(twist: Array, length: float) -> str:

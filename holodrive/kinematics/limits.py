@@ -115,3 +115,16 @@ def desaturate_by_chassis(
     share = np.minimum(1.0, np.maximum(moving, np.abs(wanted[..., 2]) / max_rotation))
     scale = np.where(fastest > 0.0, share * max_wheel / np.where(fastest > 0.0, fastest, 1.0), 1.0)
     return np.asarray(speeds * scale[..., None])
+
+
+def accel_share(now: ArrayLike, wanted: ArrayLike, accel: ArrayLike, decel: ArrayLike, dt_s: float) -> Array:
+    """How much of the change from `now` to `wanted` (...) one tick allows, in (0, 1].
+
+    Speeding up (further from 0 on the same side) is bounded by `accel`, everything else, crossing 0 included, by
+    `decel` [unit/s, both positive]. The smallest share over all axes of a twist keeps its direction.
+    """
+    now, wanted = np.asarray(now, dtype=np.float64), np.asarray(wanted, dtype=np.float64)
+    change = np.abs(wanted - now)
+    speeds_up = (np.abs(wanted) >= np.abs(now)) & (now * wanted >= 0.0)
+    bound = np.where(speeds_up, accel, decel) * dt_s
+    return np.asarray(np.where(change > bound, bound / np.where(change > bound, change, 1.0), 1.0))

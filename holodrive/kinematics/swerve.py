@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holodrive.geometry import wrap
+from holodrive.kinematics.settings import HOLD_SPEED
 from holodrive.types import Array
 
 
@@ -38,3 +39,8 @@ def optimise(
 def cosine_scale(speed: ArrayLike, angle: ArrayLike, current: ArrayLike) -> Array:
     """Drive speed (...) while the module still points elsewhere: the part of the wanted motion along the wheel."""
     return np.asarray(np.asarray(speed) * np.cos(np.asarray(angle, dtype=np.float64) - np.asarray(current)))
+
+
+def hold_angle(speed: ArrayLike, angle: ArrayLike, last: ArrayLike, hold_speed: float = HOLD_SPEED) -> Array:
+    """Steering angles (...) [rad] where modules slower than `hold_speed` [m/s of rim] keep their `last` angle."""
+    return np.where(np.abs(speed) < hold_speed, last, angle)
