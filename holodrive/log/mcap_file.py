@@ -4,6 +4,7 @@ The records come from the `mcap` package, which has no way to close a chunk on t
 the chunks are ours. A file that was never finished lacks only its index at the end.
 """
 
+import contextlib
 import os
 import struct
 import threading
@@ -203,8 +204,9 @@ class McapFile:
             while view:
                 view = view[self._file.write(view) :]
         except OSError:
-            # a torn record would only be noise behind the last good one
-            self._file.truncate(offset)
+            # a torn record would only be noise behind the last good one; what failed is told either way
+            with contextlib.suppress(OSError):
+                self._file.truncate(offset)
             raise
         self._end += len(data)
         return offset

@@ -119,13 +119,17 @@ def _by_topic(found: Salvage) -> dict[str, list[bytes]]:
 
 
 def _description(path: Path, messages: list[bytes], found: Salvage) -> dict[str, str]:
-    """The first description that can be read; the recorder repeats it."""
+    """The first description that can be read; the recorder repeats it, and attaches its parts to the file."""
     for data in messages:
         try:
             description = json.loads(decode_text(data))
-            return {key: str(description[key]) for key in ("name", "robot", "world", "settings")}
+            return {key: str(description[key]) for key in ("robot", "world", "settings")}
         except (LogError, ValueError, KeyError, TypeError):
             continue
+    if "robot.toml" in found.attachments:
+        texts = found.attachments
+        keys = {"robot": "robot.toml", "world": "world.toml", "settings": "settings.json"}
+        return {key: texts.get(name, "") for key, name in keys.items()}
     if found.missing:
         raise LogError(f"{path}: its chunks are packed with {found.missing}; rewrite it with zstd (mcap compress)")
     if found.chunks and found.topics and not any(topic.startswith("/holodrive/") for topic in found.topics.values()):

@@ -15,8 +15,8 @@ import zstandard
 
 from holodrive.log.mcap_file import MAGIC
 
-_HEADER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = 0x01, 0x03, 0x04, 0x05, 0x06
-_DATA_END, _FOOTER = 0x0F, 0x02
+_CHANNEL, _MESSAGE, _CHUNK, _ATTACHMENT = 0x04, 0x05, 0x06, 0x09
+_FOOTER = 0x02
 _KNOWN = range(0x01, 0x10)
 # start, end, uncompressed size, CRC, length of the compression's name
 _CHUNK_HEAD = struct.Struct("<QQQII")
@@ -31,6 +31,7 @@ class Salvage:
     Attributes:
         messages: (channel, log time [ns], data) in the order of the file, chunk by chunk.
         topics: channel -> topic, as far as channel records were found.
+        attachments: name -> text of those whose check sum is right.
         chunks: how many whole chunks there are; `lost_chunks`: how many are there but damaged.
         lost_bytes: that could not be understood.
         finished: whether the file was closed properly.
@@ -38,6 +39,7 @@ class Salvage:
 
     messages: list[tuple[int, int, bytes]] = field(default_factory=list)
     topics: dict[int, str] = field(default_factory=dict)
+    attachments: dict[str, str] = field(default_factory=dict)
     chunks: int = 0
     lost_chunks: int = 0
     lost_bytes: int = 0
@@ -97,6 +99,8 @@ def _record(opcode: int, body: bytes, found: Salvage) -> None:
         _read_chunk(body, found)
     elif opcode == _MESSAGE:
         _read_messages(struct.pack("<BQ", _MESSAGE, len(body)) + body, found)
+    elif opcode == _ATTACHMENT:
+        _read_attachment(body, found)
     elif opcode == _FOOTER:
         found.finished = True
 
@@ -107,6 +111,20 @@ def _read_channel(body: bytes, found: Salvage) -> None:
         topic = body[8 : 8 + length]
         if len(topic) == length:
             found.topics[number] = topic.decode("utf-8", errors="replace")
+
+
+def _read_attachment(body: bytes, found: Salvage) -> None:
+    if len(body) < 20 or zlib.crc32(body[:-4]) != struct.unpack_from("<I", body, len(body) - 4)[0]:
+        return
+    # the sum is right, so the lengths are what was written
+    at, texts = 16, []
+    for _ in range(2):
+        (length,) = struct.unpack_from("<I", body, at)
+        texts.append(body[at + 4 : at + 4 + length])
+        at += 4 + length
+        if at + 8 > len(body):
+            return
+    found.attachments[texts[0].decode("utf-8", errors="replace")] = body[at + 8 : -4].decode("utf-8", errors="replace")
 
 
 def _read_chunk(body: bytes, found: Salvage) -> None:
