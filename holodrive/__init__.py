@@ -96,7 +96,8 @@ if TYPE_CHECKING:
     from holodrive.build import drive, load, replay, rerun, rollout, simulate, world
     from holodrive.errors import HolodriveError
     from holodrive.kinematics import Chassis, Wheel
-    from holodrive.log import compare, read
+    from holodrive.log.compare import compare
+    from holodrive.log.reader import read
     from holodrive.log.run import Run
     from holodrive.reports import export, render, report
     from holodrive.robots.spec import Robot

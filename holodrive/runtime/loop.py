@@ -111,14 +111,16 @@ class Loop:
         Args:
             duration_s: of the robot's clock.
             stop_on_arrival: end when the controller says that it is there.
-            pace: called with the time of each tick [s] before it; sleeps to keep to the wall clock.
+            pace: called before each tick with its time since the first [s]; sleeps to keep to the wall clock.
             progress: called with the time of each tick [s] after it.
         """
-        until, faulted, time = duration_s, False, 0.0
+        period, until, faulted, count = self.base.robot.control_period_s, duration_s, False, 0
+        time = 0.0
         try:
             while True:
                 if pace is not None:
-                    pace(time)
+                    pace(count * period)
+                count += 1
                 time = self.step().time
                 if progress is not None:
                     progress(time)
@@ -127,7 +129,7 @@ class Loop:
                 if self.decision.arrived and stop_on_arrival and not faulted:
                     self._emit(Event(time, "arrived", "arrived", self._pose(), {}))
                     return Ending("arrived", time)
-                if time + 1.5 * self.base.robot.control_period_s > until:
+                if time + 1.5 * period > until:
                     return Ending("fault" if faulted else "duration", time)
         except KeyboardInterrupt:
             self._emit(Event(time, "stop", "stopped by the user", self._pose(), {}))
