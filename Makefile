@@ -33,7 +33,7 @@ lint: setup-dev ## style, types and import layers
 	@$(BIN)/lint-imports
 
 bench: setup-dev ## measure what the README claims
-	@for script in benchmarks/bench_*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
+	@for script in benchmarks/[!_]*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
 
 campaign: setup-dev ## the slow tests: more seeds, more robots
 	@$(BIN)/python -m pytest -m campaign --hypothesis-profile=campaign $(PYTEST_ARGS)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from holodrive.cli.compiling import compiling
 from holodrive.cli.options import out_option, plant_option, pose_of, seed_option, set_option, split_settings, verb
 from holodrive.cli.output import Output
 from holodrive.errors import InputError
@@ -58,11 +59,12 @@ def _drive(out: Output, robot: str, options: dict[str, Any]) -> dict[str, list["
     goal = pose_of(options["goal"], "--goal") if options["goal"] else None
     seeds = range(options["seed"], options["seed"] + options["runs"])
     groups: dict[str, list[Run]] = {}
-    with out.progress("compare", len(controllers) * len(seeds), "runs") as update:
+    with compiling(out) as ready, out.progress("compare", len(controllers) * len(seeds), "runs") as update:
         for controller in controllers:
             for seed in seeds:
                 base = hd.simulate(described, world, plant=options["plant"], seed=seed)
                 run = hd.drive(base, controller, goal=goal, params=params or None)
+                ready()
                 groups.setdefault(controller, []).append(run)
                 update(sum(map(len, groups.values())))
     return groups

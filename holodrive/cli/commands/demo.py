@@ -1,5 +1,6 @@
 """`holodrive demo`: three robots in their worlds and a recorded one, in one table and one page."""
 
+import math
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -95,15 +96,21 @@ def _drive(out: Output, stage: Stage, place: Path, seed: int) -> "Run":
     import holodrive as hd
 
     reference = stage.reference()
-    base = hd.simulate(stage.robot, stage.world, seed=seed, start=stage.start)
     total = reference.get("duration_s") or (reference["trajectory"].duration_s if "trajectory" in reference else 60.0)
     log = place / f"{stage.robot}.mcap"
-    with compiling(out), out.progress(stage.robot, total, "s simulated") as update:
-        return hd.drive(base, **reference, log=log, progress=update)
+    with compiling(out) as ready, out.progress(stage.robot, total, "s simulated") as update:
+        base = hd.simulate(stage.robot, stage.world, seed=seed, start=stage.start)
+
+        def progress(done: float) -> None:
+            if done > 0.1:  # by then all kernels are there
+                ready()
+            update(done)
+
+        return hd.drive(base, **reference, log=log, progress=progress)
 
 
 def _row(stage: Stage, run: "Run") -> dict[str, Any]:
-    figures = {name: run.metrics[name] for name in FIGURES if name in run.metrics}
+    figures = {name: run.metrics[name] for name in FIGURES if math.isfinite(run.metrics.get(name, math.nan))}
     return {"robot": stage.robot, "job": stage.job, "ended": run.settings["ended"], **figures}
 
 

@@ -6,7 +6,7 @@ from holodrive.cli.options import out_option, robot_argument, set_option, split_
 from holodrive.cli.output import Output
 
 
-@verb("kinematics", ["hybrid3", "mecanum4 -o mecanum4.svg --set wheel.fl.radius=60mm"])
+@verb("kinematics", ["hybrid3", "mecanum4 -o mecanum4.svg --set wheel.fl.radius=30mm"])
 @robot_argument
 @set_option
 @out_option("Draw the chassis into this SVG file.")

@@ -91,8 +91,14 @@ def _say_log(out: Output, run: "Run", path: str | None) -> None:
 def _again(out: Output, run: "Run") -> list[dict[str, Any]]:
     import holodrive as hd
 
-    with compiling(out), out.progress("rerun", float(run.time[-1]) or 1.0, "s simulated") as update:
-        return [asdict(difference) for difference in hd.rerun(run, progress=update).differences]
+    with compiling(out) as ready, out.progress("rerun", float(run.time[-1]) or 1.0, "s simulated") as update:
+
+        def progress(done: float) -> None:
+            if done > 0.1:  # by then all kernels are there
+                ready()
+            update(done)
+
+        return [asdict(difference) for difference in hd.rerun(run, progress=progress).differences]
 
 
 def _recordings(out: Output, name: str | None, which: str | None, robot: str | None, path: str | None) -> None:

@@ -75,27 +75,30 @@ def command(out: Output, **options: Any) -> None:
         out.line("world", world_line(base.world))
     clock = Clock()
     run = _by_keys(out, base, options) if options["keys"] else _by_controller(out, base, params, options, clock)
-    wall = clock.seconds()
+    factor = clock.factor(float(run.time[-1]))
     run.settings["command"] = shlex.join(["holodrive", *out.arguments])
     if options["report_path"]:
         hd.report(run).save(options["report_path"])
-    _say(out, run, wall, options)
+    _say(out, run, factor, options)
 
 
 class Clock:
-    """Wall time since the first tick, without what comes before it (compiling, most of all)."""
+    """How fast the simulation runs against the wall clock, without the first ticks, in which kernels are compiled."""
+
+    FIRST = 3  # ticks that do not count
 
     def __init__(self) -> None:
-        self.began: float | None = None
+        self.ticks, self.began, self.since = 0, math.nan, math.nan
 
-    def tick(self) -> None:
-        """The run has begun."""
-        if self.began is None:
-            self.began = time.perf_counter()
+    def tick(self, simulated_s: float) -> None:
+        """A tick of the loop has come."""
+        self.ticks += 1
+        if self.ticks == self.FIRST:
+            self.began, self.since = time.perf_counter(), simulated_s
 
-    def seconds(self) -> float:
-        """Since the first tick; NaN when there was none."""
-        return time.perf_counter() - self.began if self.began is not None else math.nan
+    def factor(self, simulated_s: float) -> float:
+        """Simulated time over wall time; NaN after too few ticks."""
+        return (simulated_s - self.since) / (time.perf_counter() - self.began)
 
 
 def _by_controller(
@@ -107,10 +110,12 @@ def _by_controller(
     duration = quantity_of(options["duration"], "--duration", "time") if options["duration"] else None
     trajectory = goals.get("trajectory")
     length = duration or (trajectory.duration_s + 2.0 if trajectory else 60.0)
-    with compiling(out), out.progress("run", length, "s simulated") as update:
+    with compiling(out) as ready, out.progress("run", length, "s simulated") as update:
 
         def progress(done: float) -> None:
-            clock.tick()
+            clock.tick(done)
+            if clock.ticks >= Clock.FIRST:
+                ready()
             update(done)
 
         return hd.drive(
@@ -165,19 +170,20 @@ def _by_keys(out: Output, base: "SimBase", options: dict[str, Any]) -> "Run":
         )
 
 
-def _say(out: Output, run: "Run", wall_s: float, options: dict[str, Any]) -> None:
+def _say(out: Output, run: "Run", factor: float, options: dict[str, Any]) -> None:
     simulated = float(run.time[-1]) if len(run.time) else 0.0
     path, report = options["path"], options["report_path"]
     if out.json:
-        out.data({"settings": run.settings, "metrics": run.metrics, "wall_s": wall_s, "log": path, "report": report})
+        answer = {"settings": run.settings, "metrics": run.metrics, "real_time_factor": factor}
+        out.data(answer | {"log": path, "report": report})
     else:
         kind = f"{run.settings['controller']}, {options['plant']}, seed {options['seed']}"
-        speed = f", {simulated / wall_s:.0f}x real time" if wall_s > 0.0 and not options["keys"] else ""
+        speed = f", {factor:.0f}x real time" if factor > 0.0 and not options["keys"] else ""
         out.line("run", f"{kind}: {simulated:.2f} s simulated{speed}")
         out.line("result", outcome(run))
         if path:
             out.line("log", f"{path} ({Path(path).stat().st_size / 1e6:.1f} MB, id {run.settings['id']})")
         if report:
             out.line("report", report)
-    again = f"holodrive replay {path} --rerun" if path else f"holodrive run {options['robot']} ... -o run.mcap"
-    out.next(again)
+    again = shlex.join(["holodrive", *out.arguments, "-o", "run.mcap"])
+    out.next(f"holodrive replay {path} --rerun" if path else again)
