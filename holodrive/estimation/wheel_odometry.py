@@ -49,8 +49,10 @@ DISPLACEMENT = 26  # 3: scratch
 ANGLES = 29  # n old angles, n increments, n of the sample that jumped, then m old, m middle, m of the jumped
 _SHORTEST_S = 1e-6  # samples nearer than this are the same sample twice
 _CLOCK_RESTARTED_S = 1.0  # a stamp this far back is a new clock, not a late sample
+_CLOCK_SET_S = 1e5  # so is one a day ahead: a clock that was set
 _STILL_RAD = 0.05  # a jump is at least this much: encoders may be coarse
 _BIAS_S = 60.0  # a gyro's bias counts as noise that lasts so long
+_MOST_RAD = 1e6  # no wheel and no gyro turns that much between two samples
 _SERIES = 0.02  # rad
 
 
@@ -168,13 +170,13 @@ def step(params: Array, memory: Array, time: float, position: Array, steer: Arra
         rebase(params, memory, time, position, steer, gyro, heading)
         return
     dt = time - memory[LAST_TIME]
-    if dt < _SHORTEST_S:
-        if dt > -_SHORTEST_S:
-            memory[DUPLICATES] += 1.0
-        else:
-            memory[BAD_STAMPS] += 1.0
-            if dt < -_CLOCK_RESTARTED_S:
-                rebase(params, memory, time, position, steer, gyro, heading)
+    if abs(dt) < _SHORTEST_S:
+        memory[DUPLICATES] += 1.0
+        return
+    if dt < 0.0 or dt > _CLOCK_SET_S:
+        memory[BAD_STAMPS] += 1.0
+        if dt < -_CLOCK_RESTARTED_S or dt > _CLOCK_SET_S:
+            rebase(params, memory, time, position, steer, gyro, heading)
         return
     if jumped(params, memory, ANGLES, dt, position):
         n = int(params[N_WHEELS])
@@ -224,7 +226,7 @@ def jumped(params: Array, memory: Array, at: int, dt: float, position: Array) ->
     arrays = NOISE + 2 * int(params[N_WHEELS])
     for i in range(int(params[N_WHEELS])):
         reach = params[JUMP] * params[arrays + kin.WHEELS + kin.BLOCK * i + kin.MAX_SPEED] * dt
-        if abs(position[i] - memory[at + i]) > reach + _STILL_RAD:
+        if abs(position[i] - memory[at + i]) > min(reach + _STILL_RAD, _MOST_RAD):
             return True
     return False
 
@@ -282,12 +284,13 @@ def displace(
 @njit(cache=True, error_model="numpy")
 def gyro_turn(memory: Array, dt: float, gyro: float, heading: float) -> float:
     """Turn [rad] since the last sample by the heading, else by the gyro's mean rate; NaN when neither is known."""
-    turn = kin.wrap(heading - memory[LAST_HEADING])
-    if math.isfinite(turn):
-        return float(turn)
+    turn = heading - memory[LAST_HEADING]
+    if abs(turn) < _MOST_RAD:
+        return float(kin.wrap(turn))
+    turn = gyro * dt
     if math.isfinite(memory[LAST_GYRO]):
-        return float(0.5 * (gyro + memory[LAST_GYRO]) * dt)
-    return float(gyro * dt)
+        turn = 0.5 * (gyro + memory[LAST_GYRO]) * dt
+    return turn if abs(turn) < _MOST_RAD else math.nan
 
 
 @njit(cache=True, error_model="numpy")
