@@ -114,10 +114,9 @@ def ordered(metrics: Mapping[str, float]) -> list[str]:
 
 
 def _decimals(largest: float, unit: str) -> int:
-    """Four significant digits, three for angles and shares; never more than six decimals."""
+    """Four significant digits, three for angles and shares, tenths of millimetres; never more than six decimals."""
     if largest <= 0.0:
         return 0
     digits = 3 if unit in ("°", "%", "mm") else 4
-    return min(
-        6, max(1 if unit in ("mm", "°", "%") and largest < 100 else 0, digits - 1 - math.floor(math.log10(largest)))
-    )
+    least = 1 if unit == "mm" or (unit in ("°", "%") and largest < 100.0) else 0
+    return min(6, max(least, digits - 1 - math.floor(math.log10(largest))))

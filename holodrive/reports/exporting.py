@@ -11,11 +11,10 @@ import numpy as np
 
 from holodrive.errors import InputError, MissingExtra
 from holodrive.log.run import Run
-from holodrive.reports.rendering import ending
+from holodrive.reports.rendering import KNOWN, TABLES, ending
 from holodrive.reports.tables import plain
 from holodrive.types import Array
 
-KNOWN = (".csv", ".json", ".parquet")
 _POSE = (("x_m", "m"), ("y_m", "m"), ("theta_rad", "rad"))
 _TWIST = (("vx_m_s", "m/s"), ("vy_m_s", "m/s"), ("omega_rad_s", "rad/s"))
 _COVARIANCE = (
@@ -34,7 +33,7 @@ def export(run: Run, path: str | Path) -> Path:
         MissingExtra: Parquet without pyarrow.
     """
     path = Path(path)
-    suffix = ending(path, KNOWN, "export", "pictures and pages are written by render")
+    suffix = ending(path, TABLES, "export", KNOWN, "render")
     writer = {".csv": _csv, ".parquet": _parquet, ".json": _json}[suffix]
     try:
         writer(run, path)

@@ -91,12 +91,13 @@ def report(content: Run | Section | Iterable[Run | Section], title: str = "", le
     if not items:
         raise InputError("a report needs at least one run or section, found none")
     runs = [item for item in items if isinstance(item, Run)]
-    names = dict(zip(map(id, runs), run_names(runs), strict=True)) if len(runs) > 1 else {}
+    names = run_names(runs) if len(runs) > 1 else ("",) * len(runs)
     sections: list[Section] = []
     if len(runs) > 1:
-        sections.append(ComparisonSection(tuple(runs), tuple(names.values())))
+        sections.append(ComparisonSection(tuple(runs), names))
+    name_of = iter(names)
     for item in items:
-        sections.append(RunSection(item, names.get(id(item), "")) if isinstance(item, Run) else item)  # type: ignore[arg-type]
+        sections.append(RunSection(item, next(name_of)) if isinstance(item, Run) else item)  # type: ignore[arg-type]
     return Report(title or _title(runs, sections), tuple(sections), lead)
 
 

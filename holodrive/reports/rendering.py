@@ -10,6 +10,7 @@ from holodrive.reports.film import Pace, Progress
 from holodrive.reports.page import report
 
 KNOWN = (".gif", ".html", ".png", ".svg")
+TABLES = (".csv", ".json", ".parquet")
 _SIZES = {".gif": 480, ".png": 1200, ".svg": 640}  # px, the longer side
 
 
@@ -38,7 +39,7 @@ def render(
         InputError: an ending, size or rate that cannot be.
     """
     path = Path(path)
-    suffix = ending(path, KNOWN, "render", "csv and parquet are written by export")
+    suffix = ending(path, KNOWN, "render", TABLES, "export")
     if size is not None and not 100 <= size <= 4000:
         raise InputError(f"a picture of {size} px cannot be drawn; choose a size from 100 to 4000")
     if not 1.0 <= fps <= 50.0:
@@ -56,17 +57,17 @@ def render(
     return path
 
 
-def ending(path: Path, known: tuple[str, ...], verb: str, hint: str) -> str:
+def ending(path: Path, known: tuple[str, ...], verb: str, others: tuple[str, ...], other_verb: str) -> str:
     """The suffix of a path in lower case, if it is known.
 
     Raises:
-        InputError: it is not; with what is.
+        InputError: it is not; with what is, or with the verb that knows it.
     """
     suffix = path.suffix.lower()
     if suffix not in known:
         found = f"the ending {suffix!r}" if suffix else "no ending"
-        near = did_you_mean(suffix, known) if suffix else ""
-        raise InputError(f"{path.name!r} has {found}, and {verb} writes {', '.join(known)}{near or '; ' + hint}")
+        hint = f"; {suffix} is written by {other_verb}" if suffix in others else did_you_mean(suffix, known)
+        raise InputError(f"{path.name!r} has {found}, and {verb} writes {', '.join(known)}{hint if suffix else ''}")
     return suffix
 
 

@@ -1,6 +1,8 @@
 """Synthetic runs: what a report has to draw, made without simulator or loop."""
 
 import math
+from collections.abc import Callable
+from html.parser import HTMLParser
 
 import numpy as np
 import pytest
@@ -113,10 +115,9 @@ def smooth(points, n):
     s = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     u = np.linspace(0, s[-1], n)
     xy = np.stack([np.interp(u, s, points[:, i]) for i in (0, 1)], -1)
-    k = np.ones(n // 20) / (n // 20)
-    return np.stack(
-        [np.convolve(np.pad(xy[:, i], n // 20, mode="edge"), k, "same")[n // 20 : -(n // 20)] for i in (0, 1)], -1
-    )
+    half = n // 40
+    total = np.cumsum(np.pad(xy, ((half + 1, half), (0, 0)), mode="edge"), axis=0)
+    return (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
 
 
 def make_run(
@@ -257,3 +258,59 @@ def blank_run() -> Run:
         slip=np.full(1, np.nan),
         metrics={"iae_m_s": math.nan},
     )
+
+
+VOID = {"meta", "input", "br", "link", "img"}
+
+
+class Page(HTMLParser):
+    """Elements of a page with their attributes, and the text between them; a tag that is not closed fails."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__(convert_charrefs=True)
+        self.open: list[str] = []
+        self.elements: list[tuple[str, dict[str, str]]] = []
+        self.texts: list[str] = []
+        self.scripts: list[tuple[dict[str, str], str]] = []
+        self.feed(html)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] == "script":
+            self.scripts.append((self.elements[-1][1], data))
+        elif not self.open or self.open[-1] != "style":
+            self.texts.append(data)
+
+    def all(self, tag: str) -> list[dict[str, str]]:
+        return [attributes for name, attributes in self.elements if name == tag]
+
+    @property
+    def text(self) -> str:
+        return " ".join(" ".join(self.texts).split())
+
+
+@pytest.fixture(scope="session")
+def parse() -> Callable[[str], Page]:
+    return Page
+
+
+@pytest.fixture(scope="session")
+def make() -> Callable[..., Run]:
+    return make_run
+
+
+@pytest.fixture(scope="session")
+def bodies() -> dict[str, Callable[[], Robot]]:
+    return {"hybrid3": hybrid3, "mecanum4": mecanum4, "swerve3": swerve3}
