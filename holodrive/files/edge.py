@@ -36,9 +36,22 @@ class Quantity:
             number = parse(value, self.dimension)
         except QuantityError as error:
             raise custom(str(error), error.hint) from None
-        if not (self.low < number if self.above_low else self.low <= number) or number > self.high:
-            raise custom(f"{shown(value)} is out of range; allowed: {self.range}")
+        if not self._allows(number):
+            raise out_of_range(value, self.range, self._meant(value))
         return number
+
+    def _allows(self, number: float) -> bool:
+        return (self.low < number if self.above_low else self.low <= number) and number <= self.high
+
+    def _meant(self, value: object) -> str:
+        """A unit that makes a plain number fit: the usual slip is degrees or millimetres without a unit."""
+        if isinstance(value, str) or self.dimension not in _SLIPS:
+            return ""
+        for unit in _SLIPS[self.dimension]:
+            text = f"{value} {unit}"
+            if self._allows(parse(text, self.dimension)):
+                return f'did you mean "{text}"?'
+        return ""
 
     @property
     def range(self) -> str:
@@ -59,6 +72,29 @@ class Quantity:
         return {"anyOf": [number, text]}
 
 
+@dataclass(frozen=True, slots=True)
+class Whole:
+    """Annotation of an int between two bounds."""
+
+    low: int
+    high: int
+
+    def read(self, value: object) -> int:
+        """The number, or the fault in one line."""
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise custom(f"{shown(value)} is not a whole number")
+        if not self.low <= value <= self.high:
+            raise out_of_range(value, f"{self.low} to {self.high}")
+        return value
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"type": "integer", "minimum": self.low, "maximum": self.high}
+
+
+_SLIPS = {"angle": ("deg",), "length": ("mm", "cm"), "time": ("ms",)}
 _TEXT = "^\\s*[-+\u2212]?\\s?(\\d+\\.?\\d*|\\.\\d+)([eE][-+]?\\d+)?\\s*[^\\s\\d.,].*$"
 
 F = TypeVar("F", bound=Form)
@@ -73,6 +109,12 @@ Ratio = Annotated[float, Quantity("number", 0.0, 1.0)]
 def custom(message: str, hint: str = "") -> PydanticCustomError:
     """An error of our own words inside a validator."""
     return PydanticCustomError("holodrive", "{message}", {"message": message, "hint": hint})
+
+
+def out_of_range(value: object, allowed: str, hint: str = "") -> PydanticCustomError:
+    """A number that makes no sense there; its key is put before it."""
+    message = f"{shown(value)} is out of range; allowed: {allowed}"
+    return PydanticCustomError("out_of_range", "{message}", {"message": message, "hint": hint})
 
 
 def check(
@@ -130,6 +172,8 @@ def _note(form: type[Form], path: Path, detail: dict[str, Any], source: Source) 
     key = location[-1] if location else ""
     if kind == "holodrive":
         source.fault(place, detail["ctx"]["message"], detail["ctx"]["hint"])
+    elif kind == "out_of_range":
+        source.fault(place, f"{key} {detail['ctx']['message']}", detail["ctx"]["hint"])
     elif kind == "extra_forbidden":
         known = known_keys(form, location[:-1])
         source.fault(place, f"unknown key '{key}' in {section(place[:-1])}", meant(str(key), known), at_key=True)
@@ -149,7 +193,6 @@ _EXPECTED = {
     "bool_type": "true or false",
     "list_type": "a list",
     "tuple_type": "a list",
-    "int_type": "a whole number",
     "model_type": "a table { key = value, ... }",
     "model_attributes_type": "a table { key = value, ... }",
     "dict_type": "a table { key = value, ... }",

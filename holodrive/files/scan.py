@@ -99,14 +99,18 @@ class _Scanner:
             raise _Odd
         self.at += brackets
         path = (*self._resolve(parts[:-1]), parts[-1])
+        for upto in range(1, len(path)):
+            self._note(path[:upto], start, start, quietly=True)
         if brackets == 2:
             self.counts[path] = self.counts.get(path, 0) + 1
             self._note(path, start, start, quietly=True)
             path = (*path, self.counts[path] - 1)
         elif path in self.headers:
             self.index.twice.append((path, self._spot(start, start), self.index.spots[path].line))
-        self.headers.add(path)
-        self._note(path, start, start, quietly=True)
+            path = (*path, "")  # its keys are no second fault
+        if path not in self.headers:
+            self.headers.add(path)
+            self.index.spots[path] = self._spot(start, start)
         self.prefix = path
 
     def _resolve(self, parts: list[str]) -> Path:

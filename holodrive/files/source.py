@@ -4,7 +4,7 @@ import re
 import stat
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from pathlib import Path as FilePath
 from typing import Any
@@ -18,6 +18,7 @@ Migration = Callable[[Table], Table]
 
 LARGEST = 256 * 1024  # bytes; some four thousand obstacles
 MOST_FAULTS = 100  # more are counted, not listed
+LONGEST = 400  # characters of a message; only hostile keys make longer ones
 
 
 @dataclass(slots=True)
@@ -80,6 +81,8 @@ class Source:
         raise FileFaults(self.file, faults)
 
     def _add(self, fault: Fault) -> None:
+        if len(fault.message) > LONGEST or len(fault.hint) > LONGEST:
+            fault = replace(fault, message=_clipped(fault.message), hint=_clipped(fault.hint))
         if fault in self.faults:
             return
         if len(self.faults) < MOST_FAULTS:
@@ -192,11 +195,15 @@ def _syntax_fault(source: Source, message: str) -> None:
     line, column = (int(match[2]), int(match[3])) if match and match[2] else (len(lines), len(lines[-1]) + 1)
     if line > 1 and column == 1 and not lines[line - 1].strip():
         line, column = line - 1, len(lines[line - 2]) + 1  # an unfinished line is noticed at the start of the next
-    source.fault_at(line, column, what, _syntax_hint(lines[line - 1] if line <= len(lines) else ""))
+    source.fault_at(line, column, what, _syntax_hint(words, lines[line - 1] if line <= len(lines) else ""))
 
 
-def _syntax_hint(line: str) -> str:
+def _syntax_hint(words: str, line: str) -> str:
     key, equals, value = line.partition("=")
+    if words == "Illegal character '\\n'":
+        return "a text has no closing quote"
+    if equals and not value.partition("#")[0].strip():
+        return f"there is no value after '{key.strip()} ='"
     if not equals and line.strip() and not line.strip().startswith(("[", "#")):
         return "a line is `key = value` or a [table]"
     if equals and re.match(r"\s*[-+.\d][^\"'\[{#]*[A-Za-z%°]", value):
@@ -228,6 +235,9 @@ def _override(source: Source, key: str, value: object, collections: tuple[str, .
     parts = key.split(".")
     if not all(parts):
         _refuse_setting(source, key, text, f"{key!r} is not a key; write it as wheel.front.radius")
+        return
+    if parts[0] == "schema":
+        _refuse_setting(source, key, text, "the schema of a file cannot be set")
         return
     path: Path = ()
     node: Any = source.table
@@ -285,17 +295,17 @@ def dotted(path: Path) -> str:
     """A path as people write it: tables in brackets at the start, entries of a list by their number."""
     text = ""
     for part in path:
-        text += f" {part + 1}" if isinstance(part, int) else f".{part}" if text else part
+        text += f" {part + 1}" if isinstance(part, int) else f".{part}" if text.strip() else part
     return text or "the file"
 
 
 def section(path: Path) -> str:
     """A table as its header is written: `[wheel.front]`, or `[[circle]] 3` for an entry of a list."""
-    if not path:
-        return "the file"
-    if isinstance(path[-1], int):
-        return f"[[{dotted(path[:-1])}]] {path[-1] + 1}"
-    return f"[{dotted(path)}]"
+    lists = [at for at, part in enumerate(path) if isinstance(part, int)]
+    if not lists:
+        return f"[{dotted(path)}]" if path else "the file"
+    head, rest = path[: lists[0]], path[lists[0] :]
+    return f"[[{dotted(head)}]]{dotted(('', *rest))}"
 
 
 def meant(word: str, known: Iterable[str]) -> str:
@@ -305,6 +315,10 @@ def meant(word: str, known: Iterable[str]) -> str:
     if near:
         return f"did you mean '{near[0]}'?"
     return f"known: {', '.join(words[:20])}" if words else ""
+
+
+def _clipped(text: str) -> str:
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."
 
 
 def _neighbour(path: FilePath) -> str:

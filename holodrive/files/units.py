@@ -100,7 +100,7 @@ class Dimension:
 
 
 DIMENSIONS: dict[str, Dimension] = {
-    "number": Dimension("a number", "", "5 %", _NONE),
+    "number": Dimension("a plain number", "", "5 %", _NONE),
     "length": Dimension("a length", "m", "23 cm", _M),
     "angle": Dimension("an angle", "rad", "-45 deg", _RAD),
     "mass": Dimension("a mass", "kg", "3.26 kg", _KG),
@@ -187,7 +187,7 @@ def _unit(unit: str, text: str, kind: Dimension) -> tuple[Decimal, Powers]:
     factor, powers = Decimal(1), _NONE
     for name, power in _tokens(unit, text, kind):
         if name not in UNITS:
-            near = get_close_matches(name, UNITS, n=1, cutoff=0.5)
+            near = sorted(get_close_matches(name, UNITS, n=3, cutoff=0.5), key=lambda unit: unit[0] != name[0])
             raise QuantityError(
                 f"{shown(text)} has an unknown unit {shown(name)}; {kind.advice}",
                 f"did you mean '{near[0]}'?" if near else "",

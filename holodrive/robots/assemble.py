@@ -106,7 +106,8 @@ def _mice(table: object, source: Source) -> tuple[Mouse, ...]:
         source.fault(path, "mice are tables with a name, such as [sensor.mouse.left]")
         return ()
     if len(table) > MAX_MICE:
-        source.fault(path, f"{len(table)} mice; at most {MAX_MICE}", at_key=True)
+        first = list(table)[MAX_MICE]
+        source.fault((*path, first), f"a robot has at most {MAX_MICE} mice, found {len(table)}", at_key=True)
         return ()
     for name in table:
         check_name(name, (*path, name), source)

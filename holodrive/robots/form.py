@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, GetJsonSchemaHandler, WithJsonSchema, model_validator
 from pydantic_core import CoreSchema
 
-from holodrive.files.edge import Angle, Coordinate, Distance, Form, Quantity, Ratio, custom
+from holodrive.files.edge import Angle, Coordinate, Distance, Form, Quantity, Ratio, Whole, custom
 
 Radius = Annotated[float, Quantity("length", 1e-4, 2.0)]
 AngularSpeed = Annotated[float, Quantity("angular speed", 0.0, 1e5, above_low=True)]
@@ -69,13 +69,19 @@ class MotorForm(Form):
         default="output", description="the shaft that the other values are seen from: behind the gear or before it"
     )
     gear: Annotated[float, Quantity("number", 0.0, 1e5, above_low=True)] = Field(default=1.0, description="reduction")
-    voltage: Annotated[float, Quantity("voltage", 0.0, 1e4, above_low=True)] = Field(description="nominal supply")
+    voltage: Annotated[float, Quantity("voltage", 0.0, 1e4, above_low=True)] = Field(
+        description="the supply that no_load_speed is for"
+    )
     no_load_speed: AngularSpeed = Field(description="speed at nominal voltage, full duty and no load")
     back_emf: Annotated[float, Quantity("motor constant", 0.0, 1e4, above_low=True)] = Field(
         description="volts per speed of the shaft, the same number as torque per ampere before losses"
     )
-    resistance: Annotated[float, Quantity("resistance", 0.0, 1e4, above_low=True)] = Field(description="terminal")
-    inductance: Annotated[float, Quantity("inductance", 0.0, 100.0)] = Field(default=0.0, description="terminal")
+    resistance: Annotated[float, Quantity("resistance", 0.0, 1e4, above_low=True)] = Field(
+        description="between the terminals"
+    )
+    inductance: Annotated[float, Quantity("inductance", 0.0, 100.0)] = Field(
+        default=0.0, description="between the terminals"
+    )
     inertia: Annotated[float, Quantity("inertia", 0.0, 1e3)] = Field(
         description="of the rotor and all that turns with it"
     )
@@ -153,7 +159,7 @@ class RobotForm(Form):
     name: str = Field(description="a short name")
     title: str = Field(default="", description="one line for people")
     source: str = Field(default="", description="where the numbers come from")
-    mass: Annotated[float, Quantity("mass", 1e-6, 1e6)] = Field(description='of everything, such as "3.26 kg"')
+    mass: Annotated[float, Quantity("mass", 1e-6, 1e6)] = Field(description='of the whole robot, such as "3.26 kg"')
     inertia: Annotated[float, Quantity("inertia", 1e-12, 1e9)] | None = Field(
         default=None, description="about the centre of mass; without it a disc out to the farthest wheel: 1/2 m R^2"
     )
@@ -177,13 +183,15 @@ class LidarForm(Form):
     source: str = Field(default="", description="where the numbers come from")
     mount: Mount = Field(default=Mount(), description="place on the robot; without it the centre")
     rate: Annotated[float, Quantity("frequency", 0.0, 1e4, above_low=True)] = Field(description="revolutions a second")
-    beams: Annotated[int, Field(ge=1, le=100_000)] = Field(description="beams in one revolution")
+    beams: Annotated[int, Whole(1, 100_000)] = Field(description="beams in one revolution")
     field_of_view: Annotated[float, Quantity("angle", 0.0, 6.2831853071796, above_low=True)] = Field(
         default=6.283185307179586, description="angle over which the beams spread"
     )
     clockwise: bool = Field(default=True, description="direction of rotation, seen from above")
     range_min: Annotated[float, Quantity("length", 0.0, 1e4)] = Field(description="nearest distance it can tell")
-    range_max: Annotated[float, Quantity("length", 0.0, 1e4, above_low=True)] = Field(description="farthest")
+    range_max: Annotated[float, Quantity("length", 0.0, 1e4, above_low=True)] = Field(
+        description="farthest distance it can tell"
+    )
     noise: Annotated[float, Quantity("length", 0.0, 10.0)] = Field(
         default=0.0, description="standard deviation, at least"
     )
@@ -233,7 +241,7 @@ class MouseForm(Form):
 class BatteryForm(Form):
     """The supply of the motors."""
 
-    voltage: Annotated[float, Quantity("voltage", 0.0, 1e4, above_low=True)] = Field(description="open circuit")
+    voltage: Annotated[float, Quantity("voltage", 0.0, 1e4, above_low=True)] = Field(description="without load")
     resistance: Annotated[float, Quantity("resistance", 0.0, 1e3)] = Field(default=0.1, description="inner")
     capacity: Annotated[float, Quantity("charge", 0.0, 1e9, above_low=True)] | None = Field(
         default=None, description="without it the battery does not run down"

@@ -9,4 +9,4 @@ def xy(place: At | Mount) -> tuple[float, float]:
     """Cartesian coordinates [m]; the origin when nothing is written."""
     if place.distance is not None and place.bearing is not None:
         return place.distance * math.cos(place.bearing), place.distance * math.sin(place.bearing)
-    return place.x or 0.0, place.y or 0.0
+    return 0.0 if place.x is None else place.x, 0.0 if place.y is None else place.y

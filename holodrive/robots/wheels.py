@@ -26,7 +26,8 @@ def wheels(source: Source) -> dict[str, WheelSpec | None]:
         source.fault(("wheel",), what, "write a table for each, such as [wheel.front]")
         return {}
     if len(tables) > MAX_WHEELS:
-        source.fault(("wheel",), f"{len(tables)} wheels; at most {MAX_WHEELS}", at_key=True)
+        first = list(tables)[MAX_WHEELS]
+        source.fault(("wheel", first), f"a robot has at most {MAX_WHEELS} wheels, found {len(tables)}", at_key=True)
         return {}
     return {name: _wheel(name, table, shared, source) for name, table in tables.items()}
 

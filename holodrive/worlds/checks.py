@@ -57,7 +57,7 @@ def start(world: World | None, source: Source) -> None:
     """The robot does not start in or on something, nor outside."""
     if world is None:
         return
-    place, path = world.start, ("start",)
+    place, path = world.start, _place("start", source)
     if _outside(world, place):
         source.fault(path, f"start {_shown(place)} is outside the arena, {_arena(world)}", at_key=True)
         return
@@ -65,7 +65,8 @@ def start(world: World | None, source: Source) -> None:
         gap = float(distance(obstacle, place.x, place.y))
         if gap <= 0.0:
             word = "touches" if isinstance(obstacle, Segment) else "is inside"
-            source.fault(path, f"start {_shown(place)} {word} {name}", at_key=True)
+            hint = "" if "start" in source.table else "write a [start] table with x and y"
+            source.fault(path, f"start {_shown(place)} {word} {name}", hint, at_key=True)
 
 
 def goal(world: World, accepted: Sequence[str], source: Source) -> None:
@@ -75,27 +76,32 @@ def goal(world: World, accepted: Sequence[str], source: Source) -> None:
         if accepts:
             source.fault(("world", "accept"), "there is no goal that could be in an obstacle; leave 'accept' out")
         return
-    place = world.goal.pose
+    place, path = world.goal.pose, _place("goal", source)
     if _outside(world, place):
-        source.fault(("goal",), f"goal {_shown(place)} is outside the arena, {_arena(world)}", at_key=True)
+        source.fault(path, f"goal {_shown(place)} is outside the arena, {_arena(world)}", at_key=True)
     inside = list(covering(world))
     if accepts and not inside:
         source.fault(("world", "accept"), "the goal is in no obstacle; leave 'accept' out")
     for name, depth in inside:
         if not accepts:
             source.fault(
-                ("goal",),
+                path,
                 f"goal {_shown(place)} is inside {name}",
                 f'if that is meant, write accept = ["{GOAL_IN_OBSTACLE}"] under [world]',
                 at_key=True,
             )
         elif world.goal.tolerance_m <= depth:
             source.fault(
-                ("goal",),
+                path,
                 f"goal {_shown(place)} is {depth:.3g} m deep in {name}, more than its tolerance of "
                 f"{world.goal.tolerance_m:.3g} m; nothing can reach it",
                 at_key=True,
             )
+
+
+def _place(table: str, source: Source) -> Path:
+    """Where to point: at the table, or at the coordinate that `--set` gave it."""
+    return next(((table, key) for key in ("x", "y") if (table, key) in source.settings), (table,))
 
 
 def _outside(world: World, place: Pose) -> bool:

@@ -23,8 +23,8 @@ class WorldForm(Form):
 class Point(Form):
     """A point of the map."""
 
-    x: Coordinate = Field(description="to the right")
-    y: Coordinate = Field(description="up")
+    x: Coordinate = Field(description="a length, to the right")
+    y: Coordinate = Field(description="a length, up")
 
 
 class ArenaForm(Form):
@@ -39,16 +39,16 @@ class ArenaForm(Form):
 class StartForm(Form):
     """Where the robot's centre is at first."""
 
-    x: Coordinate = Field(default=0.0, description="to the right")
-    y: Coordinate = Field(default=0.0, description="up")
+    x: Coordinate = Field(default=0.0, description="a length, to the right")
+    y: Coordinate = Field(default=0.0, description="a length, up")
     heading: Angle = Field(default=0.0, description="counter-clockwise from the x axis")
 
 
 class GoalForm(Form):
     """Where it shall go."""
 
-    x: Coordinate = Field(description="to the right")
-    y: Coordinate = Field(description="up")
+    x: Coordinate = Field(description="a length, to the right")
+    y: Coordinate = Field(description="a length, up")
     heading: Angle | None = Field(default=None, description="counter-clockwise from the x axis; without it any")
     tolerance: Annotated[float, Quantity("length", 0.0, 1e4, above_low=True)] = Field(
         default=0.02, description="how near is there"
@@ -63,8 +63,8 @@ class CircleForm(Form):
     """A round obstacle."""
 
     name: str = Field(default="", description="for people and --set")
-    x: Coordinate = Field(description="to the right")
-    y: Coordinate = Field(description="up")
+    x: Coordinate = Field(description="a length, to the right")
+    y: Coordinate = Field(description="a length, up")
     radius: Size = Field(description='a length such as "15 cm"')
 
 
@@ -80,10 +80,10 @@ class BoxForm(Form):
     """A filled rectangle."""
 
     name: str = Field(default="", description="for people and --set")
-    x: Coordinate = Field(description="of its middle, to the right")
-    y: Coordinate = Field(description="of its middle, up")
+    x: Coordinate = Field(description="of the middle, to the right")
+    y: Coordinate = Field(description="of the middle, up")
     length: Size = Field(description="along its own x axis")
-    width: Size = Field(description="across")
+    width: Size = Field(description="the size across its x axis")
     yaw: Angle = Field(default=0.0, description="of its own x axis")
 
 
@@ -91,8 +91,8 @@ class KeyFrameForm(Form):
     """Where a moving obstacle is at a time."""
 
     time: Time = Field(description="since the start")
-    x: Coordinate = Field(description="to the right")
-    y: Coordinate = Field(description="up")
+    x: Coordinate = Field(description="a length, to the right")
+    y: Coordinate = Field(description="a length, up")
 
 
 class MoverForm(Form):
