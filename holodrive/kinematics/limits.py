@@ -107,14 +107,14 @@ def desaturate_by_chassis(
 ) -> Array:
     """Wheel speeds (..., n) scaled as WPILib does it when the stick, not the wheel, shall have the whole range.
 
-    The wanted twist (..., 3) fills some share of the base's own limits; the fastest wheel gets that share of its.
+    The wanted twist (..., 3) fills some share of the base's own limits; wheels get at most that share of theirs.
     """
     speeds, wanted = np.asarray(speeds, dtype=np.float64), np.asarray(wanted, dtype=np.float64)
     fastest = np.max(np.abs(speeds), axis=-1)
     moving = np.hypot(wanted[..., 0], wanted[..., 1]) / max_translation
-    share = np.minimum(1.0, np.maximum(moving, np.abs(wanted[..., 2]) / max_rotation))
-    scale = np.where(fastest > 0.0, share * max_wheel / np.where(fastest > 0.0, fastest, 1.0), 1.0)
-    return np.asarray(speeds * scale[..., None])
+    share = np.maximum(moving, np.abs(wanted[..., 2]) / max_rotation)
+    scale = np.minimum(1.0, share * max_wheel / np.where(fastest > 0.0, fastest, np.inf))
+    return np.asarray(speeds * np.where(fastest > 0.0, scale, 1.0)[..., None])
 
 
 def accel_share(now: ArrayLike, wanted: ArrayLike, accel: ArrayLike, decel: ArrayLike, dt_s: float) -> Array:

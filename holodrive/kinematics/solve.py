@@ -77,8 +77,9 @@ def _covariance(
 ) -> Array:
     transpose = np.swapaxes(inverse, -1, -2)
     if wheel_sigma is not None:
-        radii = np.where([wheel.steered for wheel in chassis.wheels], chassis.radii, 1.0)  # (n,) to the rows' units
-        sigma = _per_row(chassis, np.asarray(wheel_sigma, dtype=np.float64) * radii, "wheel_sigma")
+        # speeds [rad/s] to the units of the rows
+        units = np.concatenate([[wheel.radius] * 2 if wheel.steered else [1.0] for wheel in chassis.wheels])
+        sigma = _per_row(chassis, wheel_sigma, "wheel_sigma") * units
         return _full((inverse * sigma[..., None, :] ** 2) @ transpose, residual)
     if chassis.redundancy == 0:
         return np.full((*residual.shape[:-1], 3, 3), np.nan)
