@@ -78,7 +78,10 @@ def command(out: Output, folder: str, seed: int) -> None:
     recording, recorded = _recorded(out)
     rows = [_row(stage, run) for stage, run in zip(STAGES, runs, strict=True)] + [recorded]
     page = place / "demo.html"
+    for run in runs:
+        run.settings["command"] = f"holodrive replay {run.path} --rerun"
     _write_page(page, runs, recording, rows)
+    _write_sheet(place / "demo.svg", runs, recording)
     wall = time.perf_counter() - began
     if out.json:
         out.data({"rows": rows, "page": str(page), "logs": [str(run.path) for run in runs], "wall_s": wall})
@@ -87,6 +90,7 @@ def command(out: Output, folder: str, seed: int) -> None:
 
     out.text(tables.table(rows).text())
     out.text("")
+    out.line("picture", str(place / "demo.svg"))
     out.line("page", f"{page} ({page.stat().st_size / 1e6:.1f} MB, one file, opens without a network)")
     out.line("time", f"{wall:.1f} s for {sum(float(run.time[-1]) for run in runs):.0f} s of driving")
     out.next(f"holodrive replay {runs[0].path} --rerun")
@@ -126,6 +130,15 @@ def _write_page(page: Path, runs: "list[Run]", recording: "RecordingSection", ro
         TextSection("What to type next", commands=NEXT),
     ]
     Report("holodrive demo", tuple(sections), LEAD).save(page)
+
+
+def _write_sheet(path: Path, runs: "list[Run]", recording: "RecordingSection") -> None:
+    from holodrive.cli.sheet import sheet
+    from holodrive.log.drawing import picture
+
+    pictures = [(stage.robot, picture(run, 420, 420)) for stage, run in zip(STAGES, runs, strict=True)]
+    pictures.append((f"{recording.facts['robot']}: recorded", recording.picture()))
+    path.write_text(sheet(pictures, "Four robots of the demo"), encoding="utf-8")
 
 
 def _recorded(out: Output) -> "tuple[RecordingSection, dict[str, Any]]":
