@@ -8,14 +8,14 @@ from numba import njit
 
 
 @njit(cache=True, error_model="numpy")
-def speed_loop_step(command, measured, integral, no_load, kp, ki, period):  # type: ignore[no-untyped-def]
+def speed_loop_step(command, measured, integral, unit, kp, ki, period):  # type: ignore[no-untyped-def]
     """One tick of one wheel.
 
     Args:
         command: wanted speed [rad/s].
         measured: encoder speed, filtered [rad/s].
         integral: of the loop so far [rad/s]: ki times the time integral of the error.
-        no_load: speed at full duty [rad/s].
+        unit: duty per speed, 1 / no-load speed [s/rad].
         kp: [1], ki: [1/s].
         period: since the last tick [s].
 
@@ -23,12 +23,12 @@ def speed_loop_step(command, measured, integral, no_load, kp, ki, period):  # ty
         duty in [-1, 1] and the new integral. The integral does not grow into saturation (anti-windup), and a wheel
         that is told to stand and stands lets it go, so that a resting robot draws nothing.
     """
-    if command == 0.0 and abs(measured) < 1e-3 * no_load:
+    if command == 0.0 and abs(measured) * unit < 1e-3:
         return 0.0, 0.0
     error = command - measured
     grown = integral + ki * error * period
-    wanted = (command + kp * error + grown) / no_load
+    wanted = (command + kp * error + grown) * unit
     if abs(wanted) > 1.0 and wanted * error > 0.0:
         grown = integral
-        wanted = (command + kp * error + grown) / no_load
+        wanted = (command + kp * error + grown) * unit
     return min(1.0, max(-1.0, wanted)), grown

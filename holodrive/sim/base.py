@@ -45,14 +45,12 @@ class SimBase:
         self._plant = kernels.PLANTS[plant]
         self._model, self._obstacles = md.model_of(robot, dt_s), obstacles_of(world)
         self._names = obstacle_names(world)
-        self._key = key_of(seed, 0)
+        self._key = np.uint64(key_of(seed, 0))  # a plain int would reach the kernels as int64
         self._state, self._event_rows, self._ranges, self._pending = kernels.scratch(self._model)
         self._n, self._m, self._mice = len(robot.wheels), len(robot.steered), len(robot.mice)
         self._angles = md.beam_angles(self._model)
         self._offsets = self._model[md.BEAM_PERIOD] * (np.arange(len(self._angles)) + 1.0 - len(self._angles))
-        self._counts = np.array(
-            [w.encoder.counts_per_turn / (2.0 * math.pi) if w.encoder else 0.0 for w in robot.wheels]
-        )
+        self._rad = self._model[[md.WHEELS + i * md.BLOCK + md.COUNT_RAD for i in range(self._n)]]
         self._scan: Scan | None = None
         self.reset(start)
 
@@ -74,8 +72,8 @@ class SimBase:
 
     def observe(self) -> Observation:
         """What the sensors tell now."""
-        state, counts, n, m = self._state, self._counts, self._n, self._m
-        position = np.divide(state[st.COUNT : st.COUNT + n], counts, out=np.full(n, math.nan), where=counts > 0.0)
+        state, n, m = self._state, self._n, self._m
+        position = state[st.COUNT : st.COUNT + n] * self._rad
         wheels = WheelState(
             position, state[st.MEASURED : st.MEASURED + n].copy(), state[st.STEER : st.STEER + m].copy()
         )

@@ -28,6 +28,7 @@ from holodrive.worlds.spec import World
 
 MAX_EVENTS = 16  # of one robot that are kept in full; all are counted
 _LARGEST_CHUNK = 64
+_COMPILED: set[Any] = set()  # kernels that are known to compile as a plug
 
 
 @dataclass(frozen=True)
@@ -160,22 +161,27 @@ def rollout(
         _rows(own, n, "params"),
         np.ascontiguousarray(estimator.pack(robot), dtype=np.float64) if estimator else np.zeros(1),
         np.array(sizes, dtype=np.int64),
-        kind,
         table,
         bounds,
-        ticks,
-        stop_on_arrival,
-        log_every or 1,
         log,
         accs,
         events,
         states,
     )
 
+    switches = (
+        int(estimator is None),
+        period.PLANTS[plant],
+        compiled.KINDS[controller.command_kind],
+        kind,
+        ticks,
+        int(stop_on_arrival),
+        log_every or 1,
+    )
+
     def run(job: tuple[World | None, Any]) -> None:
         place, robots = job
-        how = (estimator is None, period.PLANTS[plant], compiled.KINDS[controller.command_kind])
-        compiled.run_robots(*plugs, *how, model, obstacles_of(place), kin, robots, *shared)
+        compiled.run_robots(*plugs, switches, model, obstacles_of(place), kin, robots, *shared)
 
     _in_threads(run, _jobs(places, n, workers or _cores()), workers or _cores())
     return Rollout(
@@ -205,6 +211,8 @@ def compile_plug(plug: Plug) -> Any:
         InputError: it is not a Numba function, or Numba cannot compile it.
     """
     kernel = plug.kernel
+    if kernel in _COMPILED:
+        return kernel
     if not hasattr(kernel, "compile"):
         raise InputError(f"the kernel of {type(plug).__name__} is not compiled; put @numba.njit on {kernel!r}")
     try:
@@ -214,6 +222,7 @@ def compile_plug(plug: Plug) -> Any:
         raise InputError(
             f"the kernel of {type(plug).__name__} does not compile as void(obs, memory, params, out): {text[-1]}"
         ) from error
+    _COMPILED.add(kernel)
     return kernel
 
 

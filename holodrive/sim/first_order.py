@@ -21,14 +21,22 @@ from holodrive.sim.turn import turn_factors
 def first_order_period(model, obstacles, state, events):  # type: ignore[no-untyped-def]
     """One control period of physics steps with the duties and steering commands in `state`."""
     n, steps, dt = int(model[md.N]), int(model[md.STEPS]), model[md.DT]
-    steered, fastest = model[md.M] > 0.0, obstacles[ob.FASTEST] * dt
+    steered, alike, fastest = model[md.M] > 0.0, model[md.ALIKE] > 0.0, obstacles[ob.FASTEST] * dt
     x, y, theta, free = state[st.POSE], state[st.POSE + 1], state[st.POSE + 2], state[st.FREE]
     c, s = math.cos(theta), math.sin(theta)
-    moved_x = moved_y = moved_turn = 0.0
+    vx = vy = omega = gx = gy = gw = moved_x = moved_y = moved_turn = 0.0
+    left, decay, mean = 1.0, model[md.WHEELS + md.DECAY], model[md.WHEELS + md.MEAN]
+    if alike:
+        ix, iy, iw, gx, gy, gw = final_twist(model, state, n)
     for k in range(steps):
-        if steered:
-            steer(model, state, n)
-        vx, vy, omega = wheels_step(model, state, n, dt)
+        if alike:
+            # wheels of one lag: the twist itself goes the way that each wheel goes
+            vx, vy, omega = ix + gx * left * mean, iy + gy * left * mean, iw + gw * left * mean
+            left *= decay
+        else:
+            if steered:
+                steer(model, state, n)
+            vx, vy, omega = wheels_step(model, state, n, dt)
         dx, dy, turn = vx * dt, vy * dt, omega * dt
         sine, versine = turn_factors(turn)
         ux, uy = sine * dx - versine * dy, versine * dx + sine * dy
@@ -37,17 +45,47 @@ def first_order_period(model, obstacles, state, events):  # type: ignore[no-unty
         c, s = c - (dc * c + ds * s), s - (dc * s - ds * c)
         moved_x, moved_y, moved_turn = moved_x + dx, moved_y + dy, moved_turn + turn
         free -= abs(dx) + abs(dy) + fastest
+        if free < 0.0 or k == steps - 1:
+            if alike:
+                state[st.TWIST], state[st.TWIST + 1], state[st.TWIST + 2] = (
+                    ix + gx * left,
+                    iy + gy * left,
+                    iw + gw * left,
+                )
+            else:
+                twist_of_wheels(model, state, n)
         if free < 0.0:
             state[st.POSE], state[st.POSE + 1], state[st.POSE + 2] = x, y, theta
-            twist_of_wheels(model, state, n)
             keep_outside(model, obstacles, state, events, (state[st.TICK] * steps + k + 1) * dt)
             x, y, free = state[st.POSE], state[st.POSE + 1], state[st.FREE]
-            if k == steps - 1:
-                break  # the twist that contact has left stays
-    else:
-        twist_of_wheels(model, state, n)
+    if alike:
+        settle_wheels(model, state, n, left, mean * (1.0 - left) / (1.0 - decay) * dt)
     state[st.POSE], state[st.POSE + 1], state[st.POSE + 2], state[st.FREE] = x, y, theta, free
     state[st.MOVED], state[st.MOVED + 1], state[st.MOVED + 2] = moved_x, moved_y, moved_turn
+
+
+@njit(cache=True, error_model="numpy")
+def final_twist(model, state, n):  # type: ignore[no-untyped-def]
+    """Twist (3) that the duties lead to, and how far (3) the wheels' twist is from it; fixed wheels."""
+    ix = iy = iw = gx = gy = gw = 0.0
+    for i in range(n):
+        w = md.WHEELS + i * md.BLOCK
+        target = state[st.DUTY + i] * model[w + md.NO_LOAD]
+        gap = state[st.WHEEL_SPEED + i] - target
+        bx, by, bw = model[w + md.BACK], model[w + md.BACK + 1], model[w + md.BACK + 2]
+        ix, iy, iw = ix + bx * target, iy + by * target, iw + bw * target
+        gx, gy, gw = gx + bx * gap, gy + by * gap, gw + bw * gap
+    return ix, iy, iw, gx, gy, gw
+
+
+@njit(cache=True, error_model="numpy")
+def settle_wheels(model, state, n, left, time):  # type: ignore[no-untyped-def]
+    """Wheels after a period: `left` of each gap remains, and gap * `time` [s] is what it turned the wheel."""
+    for i in range(n):
+        target = state[st.DUTY + i] * model[md.WHEELS + i * md.BLOCK + md.NO_LOAD]
+        gap = state[st.WHEEL_SPEED + i] - target
+        state[st.WHEEL_SPEED + i] = target + gap * left
+        state[st.WHEEL_ANGLE + i] += target * model[md.PERIOD] + gap * time
 
 
 @njit(cache=True, error_model="numpy")

@@ -120,6 +120,8 @@ def circle_over(ranges, cos, sin, first, step, cx, cy, radius):  # type: ignore[
     low, high, turn = beam_span(first, step, middle - half, middle + half)
     for k in range(-1, 2):
         a, b = beams_of(low + k * turn, high + k * turn, ranges.shape[0])
+        if a == b:
+            continue
         span, bc, bs = ranges[a:b], cos[a:b], sin[a:b]
         for i in range(span.shape[0]):
             along = cx * bc[i] + cy * bs[i]
@@ -139,6 +141,8 @@ def segment_over(ranges, cos, sin, first, step, px, py, ex, ey):  # type: ignore
     area = px * ey - py * ex
     for k in range(-1, 2):
         a, b = beams_of(low + k * turn, high + k * turn, ranges.shape[0])
+        if a == b:
+            continue
         span, bc, bs = ranges[a:b], cos[a:b], sin[a:b]
         for i in range(span.shape[0]):
             bx, by = bc[i], bs[i]

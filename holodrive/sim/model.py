@@ -46,13 +46,14 @@ RANGE_NOISE, RANGE_NOISE_RELATIVE = 36, 37
 DROPOUT = 38
 MICE_AT = 39  # where the mice begin
 BEAMS_AT = 40  # where the cosines of the beams begin; their sines follow
-WHEELS = 41  # the first wheel's block begins here
+ALIKE = 41  # 1 when no wheel is steered and all have one lag
+WHEELS = 42  # the first wheel's block begins here
 
 # --- block of a wheel ----------------------------------------------------------------------------
 STEERED = 0  # place in steering arrays, or -1
 RADIUS = 1  # m
 MAX_SPEED = 2  # rad/s
-COUNTS = 3  # encoder counts per rad; 0 = no encoder
+COUNTS = 3  # encoder counts per rad; NaN without an encoder, and so are the next two
 BACK = 4  # 3: column of the chassis' least-squares inverse
 BACK_ACROSS = 7  # 3: the second column of a steered wheel
 NO_LOAD = 10  # rad/s
@@ -71,7 +72,9 @@ TORQUE = 31  # N m/A: efficiency times back EMF
 COULOMB, VISCOUS = 32, 33  # N m, N m s/rad
 SPIN = 34  # kg m^2, rotor and gear
 LIMIT = 35  # A
-BLOCK = 36
+COUNT_RAD, COUNT_SPEED = 36, 37  # rad per count; rad/s per count in a control period
+SLOWNESS, PER_NO_LOAD = 38, 39  # s/rad: 1 / MAX_SPEED, 1 / NO_LOAD
+BLOCK = 40
 
 # --- row of a mouse ------------------------------------------------------------------------------
 MOUSE_X, MOUSE_Y, MOUSE_THETA, MOUSE_COUNT, MOUSE_NOISE, MOUSE = range(6)  # m, m, rad, m per count, 1, width
@@ -100,6 +103,7 @@ def model_of(robot: Robot, dt_s: float) -> Array:
     model[N], model[M], model[MICE], model[STEPS] = n, len(robot.steered), mice, steps
     model[MICE_AT] = WHEELS + n * BLOCK
     model[BEAMS_AT] = model[MICE_AT] + mice * MOUSE
+    model[ALIKE] = float(not robot.steered and len({wheel.motor.lag_s for wheel in robot.wheels}) == 1)
     _body(model, robot, robot.control_period_s / steps)
     _wheels(model, robot, robot.control_period_s / steps)
     if robot.imu:
@@ -136,7 +140,9 @@ def _wheels(model: Array, robot: Robot, dt: float) -> None:
         w, motor, swerve = model[WHEELS + i * BLOCK :][:BLOCK], wheel.motor, wheel.kind == "swerve"
         w[STEERED] = robot.steered.index(i) if swerve else -1
         w[RADIUS], w[MAX_SPEED], w[YAW] = wheel.radius, wheel.max_speed_rad_s, wheel.yaw
-        w[COUNTS] = wheel.encoder.counts_per_turn / (2.0 * math.pi) if wheel.encoder else 0.0
+        w[COUNTS] = wheel.encoder.counts_per_turn / (2.0 * math.pi) if wheel.encoder else math.nan
+        w[COUNT_RAD], w[COUNT_SPEED] = 1.0 / w[COUNTS], 1.0 / (w[COUNTS] * robot.control_period_s)
+        w[SLOWNESS], w[PER_NO_LOAD] = 1.0 / wheel.max_speed_rad_s, 1.0 / motor.no_load_speed_rad_s
         row = chassis.row[i]
         w[BACK : BACK + 3] = chassis.least_squares[:, row]
         if swerve:

@@ -29,6 +29,8 @@ def start(model, obstacles, state, key, ranges, pending, x, y, theta):  # type: 
     state[st.GYRO] = state[st.ACCEL] = state[st.ACCEL + 1] = state[st.SCAN_TIME] = math.nan
     state[st.VOLTAGE] = model[md.BATTERY_V]
     state[st.FREE] = free_distance(model, obstacles, state, 0.0)
+    for i in range(int(model[md.N])):  # NaN without an encoder
+        state[st.MEASURED + i] = 0.0 * model[md.WHEELS + i * md.BLOCK + md.COUNTS]
     ranges[:] = math.nan
     sense(model, obstacles, state, key, ranges, pending)
 
@@ -41,24 +43,31 @@ def accept(model, state, events, values, steer, direct):  # type: ignore[no-unty
     down together, which keeps the direction; duties are cut at 1.
     """
     n, m = int(model[md.N]), int(model[md.M])
-    scale, finite = 1.0, True
+    load, total = 0.0, 0.0
     for i in range(n):
-        finite = finite and math.isfinite(values[i])
-        if not direct:
-            scale = max(scale, abs(values[i]) / model[md.WHEELS + i * md.BLOCK + md.MAX_SPEED])
+        total += values[i]
+        load = max(load, abs(values[i]) * model[md.WHEELS + i * md.BLOCK + md.SLOWNESS])
     for j in range(m):
-        finite = finite and math.isfinite(steer[j])
-    if not finite and state[st.FAULT] == 0.0:
+        total += steer[j]
+    # a sum is finite only if all its terms are
+    if not math.isfinite(total) and state[st.FAULT] == 0.0:
         state[st.FAULT] = 1.0
         write_event(state, events, state[st.TICK] * model[md.PERIOD], st.COMMAND_FAULT)
-    stop = state[st.FAULT] != 0.0
-    state[st.DIRECT] = 1.0 if direct and not stop else 0.0
-    for i in range(n):
-        value = min(1.0, max(-1.0, values[i])) if direct else values[i] / scale
-        state[st.COMMAND + i] = 0.0 if stop else value
-    if not stop:
-        for j in range(m):
-            state[st.STEER_COMMAND + j] = steer[j]
+    state[st.DIRECT] = 0.0
+    if state[st.FAULT] != 0.0:
+        for i in range(n):
+            state[st.COMMAND + i] = 0.0
+        return
+    if direct:
+        state[st.DIRECT] = 1.0
+        for i in range(n):
+            state[st.COMMAND + i] = min(1.0, max(-1.0, values[i]))
+    else:
+        scale = 1.0 / load if load > 1.0 else 1.0
+        for i in range(n):
+            state[st.COMMAND + i] = scale * values[i]
+    for j in range(m):
+        state[st.STEER_COMMAND + j] = steer[j]
 
 
 @njit(cache=True, error_model="numpy")
@@ -82,14 +91,14 @@ def drive(model, state):  # type: ignore[no-untyped-def]
     kp, ki, period = model[md.LOOP_KP], model[md.LOOP_KI], model[md.PERIOD]
     for i in range(int(model[md.N])):
         w, command = md.WHEELS + i * md.BLOCK, state[st.COMMAND + i]
-        no_load = model[w + md.NO_LOAD]
+        unit = model[w + md.PER_NO_LOAD]
         if state[st.DIRECT] != 0.0:
             state[st.DUTY + i], state[st.INTEGRAL + i] = command, 0.0
-        elif model[w + md.COUNTS] == 0.0:
-            state[st.DUTY + i] = min(1.0, max(-1.0, command / no_load))
+        elif math.isnan(model[w + md.COUNT_RAD]):
+            state[st.DUTY + i] = min(1.0, max(-1.0, command * unit))
         else:
             state[st.DUTY + i], state[st.INTEGRAL + i] = speed_loop_step(
-                command, state[st.MEASURED + i], state[st.INTEGRAL + i], no_load, kp, ki, period
+                command, state[st.MEASURED + i], state[st.INTEGRAL + i], unit, kp, ki, period
             )
 
 
@@ -102,8 +111,7 @@ def fill(model, state, ranges, obs):  # type: ignore[no-untyped-def]
     n, m = int(model[md.N]), int(model[md.M])
     obs[layout.N_WHEELS], obs[layout.N_STEER] = n, m
     for i in range(n):
-        counts = model[md.WHEELS + i * md.BLOCK + md.COUNTS]
-        obs[layout.WHEEL_POSITION + i] = state[st.COUNT + i] / counts if counts > 0.0 else math.nan
+        obs[layout.WHEEL_POSITION + i] = state[st.COUNT + i] * model[md.WHEELS + i * md.BLOCK + md.COUNT_RAD]
         obs[layout.WHEEL_SPEED + i] = state[st.MEASURED + i]
     for j in range(m):
         obs[layout.STEER + j] = state[st.STEER + j]

@@ -8,15 +8,16 @@ Robots know nothing of one another: any cut into chunks, on any number of thread
 import math
 
 import numpy as np
-from numba import boolean, float64, int64, njit, types, uint64, void
+from numba import float64, int64, njit, types, uint64, void
 
 from holodrive import layout, metrics
 from holodrive.kinematics.kernel import command_step
 from holodrive.references import MEMORY_SIZE, OUT_SIZE, reference_step
 from holodrive.sim import model as md
 from holodrive.sim import state as st
+from holodrive.sim.borrow import borrowed
 from holodrive.sim.contact import free_distance
-from holodrive.sim.period import accept, advance, fill
+from holodrive.sim.period import SLIP, accept, advance, fill
 from holodrive.sim.period import start as put_at
 
 TWIST, WHEELS, DUTY = 0, 1, 2  # kinds of command
@@ -72,13 +73,64 @@ def send(model, state, events, kind, kin, command, wanted, pipe, speeds, steer):
     accept(model, state, events, speeds, steer, kind == DUTY)
 
 
+@njit(cache=True, error_model="numpy")
+def run_robot(  # type: ignore[no-untyped-def]
+    controller, estimator, switches, model, obstacles, kin, key, start, params, estimator_params, rows, log, acc,
+    events, state, ranges, pending, obs, memory, belief_memory, pipe, speeds, steer, belief, command, reference,
+    reference_memory,
+):  # fmt: skip
+    """One robot's run: observe, estimate, reference, command, apply, record, as the ordinary loop does."""
+    truth, plant, command_kind, reference_kind, ticks, stop_on_arrival, log_every = switches
+    # the caller holds them all; see `borrowed`
+    model, obstacles, kin, params = borrowed(model), borrowed(obstacles), borrowed(kin), borrowed(params)
+    estimator_params, rows, log, acc = borrowed(estimator_params), borrowed(rows), borrowed(log), borrowed(acc)
+    events, state, ranges, pending = borrowed(events), borrowed(state), borrowed(ranges), borrowed(pending)
+    obs, memory, belief_memory, pipe = borrowed(obs), borrowed(memory), borrowed(belief_memory), borrowed(pipe)
+    speeds, steer, belief, command = borrowed(speeds), borrowed(steer), borrowed(belief), borrowed(command)
+    reference, reference_memory = borrowed(reference), borrowed(reference_memory)
+    put_at(model, obstacles, state, key, ranges, pending, start[0], start[1], start[2])
+    obs[:] = memory[:] = belief_memory[:] = pipe[:] = reference_memory[:] = belief[:] = 0.0
+    for i in range(3):
+        belief_memory[layout.START_POSE + i] = start[i]
+    metrics.start(acc)
+    pose, duty = state[st.POSE : st.POSE + 3], state[st.DUTY : st.DUTY + speeds.shape[0]]
+    wanted = command[layout.VALUE : layout.VALUE + 3]
+    for k in range(ticks):
+        fill(model, state, ranges, obs)
+        if truth:
+            for i in range(6):
+                belief[i] = state[st.POSE + i]
+        else:
+            estimator(obs, belief_memory, estimator_params, belief)
+        for i in range(6):
+            obs[layout.POSE + i] = belief[i]
+        reference_step(rows, reference_kind, reference_memory, obs[layout.TIME], belief[0], belief[1], reference)
+        for i in range(OUT_SIZE):
+            obs[layout.REF_POSE + i] = reference[i]
+        command[:] = 0.0
+        controller(obs, memory, params, command)
+        look_around(model, obstacles, state, acc)
+        metrics.tick(acc, obs[layout.TIME], pose, reference)
+        send(model, state, events, command_kind, kin, command, wanted, pipe, speeds, steer)
+        advance(plant, model, obstacles, state, events, key, ranges, pending)
+        metrics.count_duty(acc, duty)
+        if log.shape[0] > 0 and k % log_every == 0:
+            write_log(model, state, obs, log[k // log_every])
+        acc[metrics.ARRIVED] = command[layout.ARRIVED]
+        if stop_on_arrival and command[layout.ARRIVED] != 0.0:
+            break
+    acc[metrics.COLLISIONS], acc[metrics.MOVED_COLLISIONS] = state[st.COLLISIONS], state[st.MOVED_COLLISIONS]
+    acc[metrics.ENERGY] = state[st.ENERGY] if plant == SLIP else math.nan
+    metrics.finish(acc)
+
+
 @njit(
     void(
         PLUG,  # controller
         PLUG,  # estimator
-        boolean,  # the estimate is the truth
-        int64,  # plant
-        int64,  # kind of command
+        types.UniTuple(
+            int64, 7
+        ),  # estimate is truth, plant, command, reference kind, ticks, stop on arrival, log every
         VECTOR,  # model of the robot
         VECTOR,  # obstacles
         VECTOR,  # kinematics
@@ -88,12 +140,8 @@ def send(model, state, events, kind, kin, command, wanted, pipe, speeds, steer):
         TABLE,  # (n, p) controller parameters
         VECTOR,  # estimator parameters
         int64[::1],  # sizes of memory: controller, estimator, pipeline
-        int64,  # kind of reference
         TABLE,  # rows of all references
         types.Array(int64, 2, "C"),  # (n, 2) first row, end
-        int64,  # control ticks
-        boolean,  # stop on arrival
-        int64,  # ticks from one row of the log to the next
         CUBE,  # (n, T, k) log
         TABLE,  # (n, metrics.SIZE)
         CUBE,  # (n, E, st.EVENT_SIZE) events
@@ -104,55 +152,23 @@ def send(model, state, events, kind, kin, command, wanted, pipe, speeds, steer):
     error_model="numpy",
 )
 def run_robots(  # type: ignore[no-untyped-def]
-    controller, estimator, truth, plant, command_kind, model, obstacles, kin, robots, starts, keys, params,
-    estimator_params, memory_sizes, reference_kind, reference_rows, reference_bounds, ticks, stop_on_arrival,
-    log_every, log, accs, event_tables, states,
+    controller, estimator, switches, model, obstacles, kin, robots, starts, keys, params, estimator_params,
+    memory_sizes, reference_rows, reference_bounds, log, accs, event_tables, states,
 ):  # fmt: skip
-    """Run some robots of a batch: observe, estimate, reference, command, apply, record, as the ordinary loop does."""
-    beams, n = int(model[md.BEAMS]), int(model[md.N])
+    """Run some robots of a batch one after another, with one set of scratch arrays."""
+    beams, n, m = int(model[md.BEAMS]), int(model[md.N]), int(model[md.M])
     ranges, pending, obs = np.empty(beams), np.empty(beams), np.empty(layout.OBS_HEADER + beams)
     memory, belief_memory = np.empty(max(1, memory_sizes[0])), np.empty(max(3, memory_sizes[1]))
-    pipe, speeds, steer = np.empty(memory_sizes[2]), np.empty(n), np.empty(int(model[md.M]))
+    pipe, speeds, steer = np.empty(memory_sizes[2]), np.empty(n), np.empty(m)
     belief, command = np.zeros(layout.ESTIMATE_SIZE), np.zeros(layout.COMMAND_SIZE)
     reference, reference_memory = np.zeros(OUT_SIZE), np.zeros(MEMORY_SIZE)
     for robot in robots:
-        state, acc, events, key = states[robot], accs[robot], event_tables[robot], keys[robot]
-        pose, duty, own = state[st.POSE : st.POSE + 3], state[st.DUTY : st.DUTY + n], params[robot]
         rows = reference_rows[reference_bounds[robot, 0] : reference_bounds[robot, 1]]
-        put_at(model, obstacles, state, key, ranges, pending, starts[robot, 0], starts[robot, 1], starts[robot, 2])
-        obs[:] = memory[:] = belief_memory[:] = pipe[:] = reference_memory[:] = belief[:] = 0.0
-        for i in range(3):
-            belief_memory[layout.START_POSE + i] = starts[robot, i]
-        metrics.start(acc)
-        wanted = command[layout.VALUE : layout.VALUE + 3]
-        for k in range(ticks):
-            fill(model, state, ranges, obs)
-            if truth:
-                for i in range(6):
-                    belief[i] = state[st.POSE + i]
-            else:
-                estimator(obs, belief_memory, estimator_params, belief)
-            for i in range(6):
-                obs[layout.POSE + i] = belief[i]
-            reference_step(rows, reference_kind, reference_memory, obs[layout.TIME], belief[0], belief[1], reference)
-            for i in range(OUT_SIZE):
-                obs[layout.REF_POSE + i] = reference[i]
-            command[:] = 0.0
-            controller(obs, memory, own, command)
-            look_around(model, obstacles, state, acc)
-            metrics.tick(acc, obs[layout.TIME], pose, reference)
-            send(model, state, events, command_kind, kin, command, wanted, pipe, speeds, steer)
-            advance(plant, model, obstacles, state, events, key, ranges, pending)
-            metrics.count_duty(acc, duty)
-            if log.shape[1] > 0 and k % log_every == 0:
-                write_log(model, state, obs, log[robot, k // log_every])
-            acc[metrics.ARRIVED] = command[layout.ARRIVED]
-            if stop_on_arrival and command[layout.ARRIVED] != 0.0:
-                break
-        acc[metrics.COLLISIONS] = state[st.COLLISIONS]
-        acc[metrics.MOVED_COLLISIONS] = state[st.MOVED_COLLISIONS]
-        acc[metrics.ENERGY] = state[st.ENERGY] if plant == 1 else math.nan
-        metrics.finish(acc)
+        run_robot(
+            controller, estimator, switches, model, obstacles, kin, keys[robot], starts[robot], params[robot],
+            estimator_params, rows, log[robot], accs[robot], event_tables[robot], states[robot], ranges, pending, obs,
+            memory, belief_memory, pipe, speeds, steer, belief, command, reference, reference_memory,
+        )  # fmt: skip
 
 
 @njit(cache=True)

@@ -39,16 +39,14 @@ def sense(model, obstacles, state, key, ranges, pending):  # type: ignore[no-unt
 
 @njit(cache=True, error_model="numpy")
 def read_encoders(model, state):  # type: ignore[no-untyped-def]
-    """Whole counts since the start, and the motor board's filtered speed. A wheel without encoder tells NaN."""
+    """Whole counts since the start, and the motor board's filtered speed; NaN without an encoder."""
+    share, moved = model[md.LOOP_FILTER], state[st.TICK] > 0.0
     for i in range(int(model[md.N])):
-        counts = model[md.WHEELS + i * md.BLOCK + md.COUNTS]
-        if counts == 0.0:
-            state[st.COUNT + i] = state[st.MEASURED + i] = math.nan
-            continue
-        count = math.floor(state[st.WHEEL_ANGLE + i] * counts)
-        if state[st.TICK] > 0.0:
-            speed = (count - state[st.COUNT + i]) / (counts * model[md.PERIOD])
-            state[st.MEASURED + i] += model[md.LOOP_FILTER] * (speed - state[st.MEASURED + i])
+        w = md.WHEELS + i * md.BLOCK
+        count = np.floor(state[st.WHEEL_ANGLE + i] * model[w + md.COUNTS])
+        if moved:
+            speed = (count - state[st.COUNT + i]) * model[w + md.COUNT_SPEED]
+            state[st.MEASURED + i] += share * (speed - state[st.MEASURED + i])
         state[st.COUNT + i] = count
 
 

@@ -12,8 +12,8 @@ def turn_factors(turn):  # type: ignore[no-untyped-def]
     """sin(t)/t and (1 - cos(t))/t of a turn t [rad]."""
     if abs(turn) < _SERIES:
         q = turn * turn
-        sine = 1.0 - q / 6.0 * (1.0 - q / 20.0 * (1.0 - q / 42.0 * (1.0 - q / 72.0)))
-        versine = 0.5 * turn * (1.0 - q / 12.0 * (1.0 - q / 30.0 * (1.0 - q / 56.0 * (1.0 - q / 90.0))))
+        sine = 1.0 - q * (1.0 / 6.0 - q * (1.0 / 120.0 - q * (1.0 / 5040.0 - q * (1.0 / 362880.0))))
+        versine = turn * (0.5 - q * (1.0 / 24.0 - q * (1.0 / 720.0 - q * (1.0 / 40320.0 - q * (1.0 / 3628800.0)))))
         return sine, versine
     half = math.sin(0.5 * turn)
     return math.sin(turn) / turn, 2.0 * half * half / turn
