@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from holodrive import __version__, control, estimation, metrics, planning, references, robots, worlds
 from holodrive import log as logs
 from holodrive.errors import InputError, LogError
-from holodrive.interfaces import Base, Controller, ControllerPlug, Estimator
+from holodrive.interfaces import Base, Controller, ControllerPlug, Estimator, Plug
 from holodrive.log.run import Run
 from holodrive.robots.spec import Robot
 from holodrive.runtime import Loop, RealTime, Sink
@@ -146,6 +146,7 @@ def rollout(
     world: str | Path | World | Sequence[World] | None = None,
     controller: str | ControllerPlug = "go_to_pose",
     *,
+    estimator: "str | Plug | None" = "wheel_odometry",
     n: int = 1,
     params: Any = None,
     **options: Any,
@@ -155,6 +156,7 @@ def rollout(
     Args:
         robot, world: by name, file or value; a list of n worlds gives each run its own.
         controller: a name of `control.names()`, or any plug with a kernel.
+        estimator: a name of `estimation.names()`, or any plug with a kernel; None lets the controller know the truth.
         n: how many robots.
         params: a dict over the controller's defaults; or packed, (p,) or (n, p).
     """
@@ -163,8 +165,9 @@ def rollout(
     place = [_world(one) for one in world] if isinstance(world, list | tuple) else _world(world)  # type: ignore[arg-type]
     if isinstance(controller, str):
         controller = control.plug(controller, params if isinstance(params, dict) else None)
+    believer = estimation.plug(estimator) if isinstance(estimator, str) else estimator
     packed = None if isinstance(params, dict) else params
-    return sim.rollout(load(robot), place, controller, n=n, params=packed, **options)
+    return sim.rollout(load(robot), place, controller, estimator=believer, n=n, params=packed, **options)
 
 
 class Rerun(NamedTuple):
