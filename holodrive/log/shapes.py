@@ -126,7 +126,7 @@ def robot_shape(robot: Robot, steer: Array | None = None) -> str:
     parts = [
         svg.element("circle", class_="footprint", r=reach, fill="#0072B2", fill_opacity=0.12, stroke=BLUE,
                     stroke_opacity=0.7, vector_effect=thin),
-        svg.element("polygon", class_="body", points=hull, fill="#fff", fill_opacity=0.65, stroke=INK,
+        svg.element("polygon", class_="body", points=hull, fill="#fff", fill_opacity=0.45, stroke=INK,
                     stroke_opacity=0.5, stroke_linejoin="round", vector_effect=thin),
         svg.element("polygon", class_="nose", points=nose, fill=BLUE),
     ]  # fmt: skip

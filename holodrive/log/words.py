@@ -20,6 +20,7 @@ class Words:
         factor: shown = factor * value.
         better: which way is better, "" when neither is.
         help: one sentence that says what exactly is meant.
+        infinite: what an infinite value means, in words.
     """
 
     label: str
@@ -27,6 +28,7 @@ class Words:
     factor: float = 1.0
     better: Better = ""
     help: str = ""
+    infinite: str = "∞"
 
 
 _DEG = math.degrees(1.0)
@@ -36,7 +38,9 @@ METRICS: dict[str, Words] = {
     "time_s": Words("time", "s", better="low", help="from start to arrival or to the end of the run"),
     "path_length_m": Words("path length", "m", better="low", help="of the true path"),
     "turns": Words("turns", better="low", help="changes of driving direction"),
-    "min_clearance_m": Words("nearest obstacle", "m", better="high", help="least gap from the footprint to anything"),
+    "min_clearance_m": Words(
+        "nearest obstacle", "m", better="high", help="least gap from the footprint to anything", infinite="none"
+    ),
     "collisions": Words("collisions", better="low", help="times that the robot touched something"),
     "moved_collisions": Words("hit by movers", better="low", help="collisions in which the obstacle was moving"),
     "iae_m_s": Words("error integral (IAE)", "m·s", better="low", help="integral of the absolute position error"),
@@ -48,9 +52,18 @@ METRICS: dict[str, Words] = {
     "end_error_m": Words("end error", "m", better="low", help="distance from the truth at the end"),
     "rmse_m": Words("RMS error", "m", better="low", help="root mean square distance from the truth"),
     "heading_error_rad": Words("end heading error", "°", _DEG, "low", "heading against the truth at the end"),
+    "ended_at_s": Words("ended at", "s", help="time of the last tick"),
     "energy_j": Words("energy", "J", better="low", help="electrical energy taken from the battery"),
     "saturated_share": Words("saturated", "%", 100.0, "low", "share of the time with a wheel at its limit"),
     "mean_speed_m_s": Words("mean speed", "m/s", help="path length over time"),
+}
+
+# units that read better for small values: unit, factor, used below this value
+_SMALLER = {
+    "m": ("mm", 1e3, 1.0),
+    "m/s": ("mm/s", 1e3, 0.1),
+    "m·s": ("mm·s", 1e3, 0.1),
+    "m²·s": ("mm²·s", 1e6, 1e-3),
 }
 
 # the longest suffix wins; each gives the unit shown and the factor to it
@@ -90,10 +103,11 @@ def told(name: str, values: Iterable[float]) -> tuple[str, list[str]]:
     shown = [how.factor * v for v in values]
     unit = how.unit
     largest = max((abs(v) for v in shown if math.isfinite(v)), default=0.0)
-    if unit == "m" and 0.0 < largest < 1.0:
-        unit, shown, largest = "mm", [1e3 * v for v in shown], 1e3 * largest
+    small, factor, below = _SMALLER.get(unit, (unit, 1.0, 0.0))
+    if 0.0 < largest < below:
+        unit, shown, largest = small, [factor * v for v in shown], factor * largest
     decimals = 0 if not unit and all(v.is_integer() for v in shown if math.isfinite(v)) else _decimals(largest, unit)
-    return unit, [number(v, decimals) for v in shown]
+    return unit, [how.infinite if math.isinf(v) else number(v, decimals) for v in shown]
 
 
 def with_unit(name: str, value: float) -> str:
@@ -104,7 +118,7 @@ def with_unit(name: str, value: float) -> str:
 
 def joined(text: str, unit: str) -> str:
     """Number and unit, with a no-break space where there is a space in print."""
-    return text if not unit or text == "—" else f"{text}{unit}" if unit == "°" else f"{text}\u00a0{unit}"
+    return text if not unit or not text[-1].isdigit() else f"{text}{unit}" if unit == "°" else f"{text}\u00a0{unit}"
 
 
 def ordered(metrics: Mapping[str, float]) -> list[str]:
@@ -117,6 +131,9 @@ def _decimals(largest: float, unit: str) -> int:
     """Four significant digits, three for angles and shares, tenths of millimetres; never more than six decimals."""
     if largest <= 0.0:
         return 0
-    digits = 3 if unit in ("°", "%", "mm") else 4
-    least = 1 if unit == "mm" or (unit in ("°", "%") and largest < 100.0) else 0
-    return min(6, max(least, digits - 1 - math.floor(math.log10(largest))))
+    digits = 3 if unit in _THREE_DIGITS else 4
+    least = 1 if unit.startswith("mm") or (unit in ("°", "%") and largest < 100.0) else 0
+    return min(3 if unit in _THREE_DIGITS else 5, max(least, digits - 1 - math.floor(math.log10(largest))))
+
+
+_THREE_DIGITS = ("°", "%", "mm", "mm/s", "mm·s", "mm²·s")

@@ -25,7 +25,11 @@ def chart_groups(run: Run) -> list[ChartGroup]:
     """All groups of which a run knows something."""
     groups = [
         ChartGroup("Error over time", "Distance from the reference, and of the estimate from the truth.", errors(run)),
-        ChartGroup("Body velocity", "Pale: what the controller asked for. Solid: what the base did.", velocities(run)),
+        ChartGroup(
+            "Body velocity",
+            "Solid: what the base did. Pale: what the controller asked for, cut at three times that.",
+            velocities(run),
+        ),
         ChartGroup("Wheel speeds", "Pale: commanded. Solid: measured.", wheels(run)),
         ChartGroup("Steering", "Pale: commanded. Solid: measured.", steering(run)),
         ChartGroup("Motors and ground", "Duty of each motor; rim speed in which the wheels contradict.", effort(run)),
@@ -49,7 +53,7 @@ def errors(run: Run) -> tuple[Chart, ...]:
         Chart(
             "Position error", unit, _lines(names, run.time, (tracking * factor, belief * factor)), low=0.0, marks=marks
         ),
-        Chart("Heading error", "°", _lines(names, run.time, headings), marks=marks),
+        Chart("Heading error", "°", _lines(names, run.time, headings), least=0.2, marks=marks),
     )
 
 
@@ -58,7 +62,7 @@ def velocities(run: Run) -> tuple[Chart, ...]:
     charts = []
     for i, (title, unit) in enumerate((("Forward", "m/s"), ("Sideways", "m/s"), ("Yaw rate", "rad/s"))):
         lines = (Line("asked", run.time, run.decided[:, i], i, pale=True), Line("true", run.time, run.twist[:, i], i))
-        charts.append(Chart(title, unit, lines, width=350.0, height=180.0))
+        charts.append(Chart(title, unit, lines, width=350.0, height=180.0, least=0.01))
     return tuple(charts)
 
 
@@ -95,7 +99,7 @@ def effort(run: Run) -> tuple[Chart, ...]:
         for i, wheel in enumerate(run.robot.wheels)
     )
     slip = (Line("", run.time, 1e3 * run.slip, 3),)
-    return (Chart("Duty", "%", duty, low=-100.0, high=100.0), Chart("Wheel slip", "mm/s", slip, low=0.0))
+    return (Chart("Duty", "%", duty, low=-100.0, high=100.0), Chart("Wheel slip", "mm/s", slip, low=0.0, least=1.0))
 
 
 def position_error(a: Array, b: Array) -> Array:
@@ -117,8 +121,14 @@ def compared(runs: Sequence[Run], names: Sequence[str]) -> tuple[Chart, ...]:
     turns = [heading_error(best_pose(run), run.reference) for run in runs]
     peaks = [np.abs(run.duty).max(axis=1, initial=0.0) * 100.0 for run in runs]
     charts = (
-        Chart("Position error", unit, _many(names, times, [factor * track for track in tracks]), low=0.0),
-        Chart("Heading error", "°", _many(names, times, turns)),
+        Chart(
+            "Position error",
+            unit,
+            _many(names, times, [factor * track for track in tracks]),
+            low=0.0,
+            least=1.0 if unit == "mm" else 0.0,
+        ),
+        Chart("Heading error", "°", _many(names, times, turns), least=0.2),
         Chart("Speed", "m/s", _many(names, times, speeds), low=0.0),
         Chart("Largest duty of a wheel", "%", _many(names, times, peaks), low=0.0, high=100.0),
     )

@@ -59,11 +59,9 @@ def tiles(metrics: Mapping[str, float]) -> str:
         unit, (text,) = told(name, [value])
         how = words(name)
         bad = (name == "arrived" and value == 0.0) or (name in ("collisions", "moved_collisions") and value > 0.0)
-        shown = (
-            f"{escape(text)}<small>{'' if unit == '°' else ' '}{escape(unit)}</small>"
-            if unit and text != "—"
-            else escape(text)
-        )
+        space = "" if unit == "°" else " "
+        told_unit = f"<small>{space}{escape(unit)}</small>" if unit and text[-1].isdigit() else ""
+        shown = escape(text) + told_unit
         class_ = ' class="bad"' if bad else ""
         items.append(f'<div{class_} title="{escape(how.help)}"><dt>{escape(how.label)}</dt><dd>{shown}</dd></div>')
     return f'<dl class="tiles">{"".join(items)}</dl>' if items else ""

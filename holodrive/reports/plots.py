@@ -38,6 +38,7 @@ class Chart:
         lines: what is drawn; those without a finite value are left out.
         x_name, x_unit: of the common axis.
         low, high: limits that the vertical axis must at least have; None takes them from the data.
+        least: smallest span of the vertical axis, so that rounding noise does not fill a chart.
         marks: times of events, drawn as thin lines down the plot.
     """
 
@@ -48,6 +49,7 @@ class Chart:
     x_unit: str = "s"
     low: float | None = None
     high: float | None = None
+    least: float = 0.0
     marks: tuple[float, ...] = ()
     width: float = 460.0
     height: float = 220.0
@@ -113,9 +115,13 @@ class Axes:
         times = [line.x[np.isfinite(line.x)] for line in lines]
         x0, x1 = _range(np.concatenate(times) if times else np.zeros(0))
         x0 = 0.0 if 0.0 < x0 < 0.05 * x1 else x0  # the first tick is one period after zero
-        values = [line.y[np.isfinite(line.y)] for line in lines]
+        values = _framing(lines)
         limits = [np.array([v]) for v in (chart.low, chart.high) if v is not None]
         y0, y1 = _range(np.concatenate([*values, *limits]) if values or limits else np.zeros(0))
+        if y1 - y0 < chart.least:
+            middle = 0.5 * (y0 + y1)
+            y0 = y0 if y0 == chart.low else middle - 0.5 * chart.least
+            y1 = y0 + chart.least
         air = 0.06 * (y1 - y0)
         y0 = y0 if y0 in (chart.low, 0.0) else y0 - air
         y1 = y1 if y1 == chart.high else y1 + air
@@ -180,13 +186,26 @@ def decimate(x: Array, y: Array, buckets: int) -> tuple[Array, Array]:
 
 def _curve(box: Axes, line: Line) -> str:
     x, y = decimate(line.x, line.y, int(box.width / 2))
-    pixels = np.column_stack([box.column(x), box.row(y)])
+    rows = np.clip(box.row(y), box.top, box.top + box.height)  # only pale lines can reach beyond
+    pixels = np.column_stack([box.column(x), rows])
     return svg.element(
         "path", class_=f"line c{line.colour % len(COLOURS)}" + (" pale" if line.pale else ""),
         d=svg.path_data(svg.simplify(pixels, 0.3)), stroke=COLOURS[line.colour % len(COLOURS)], fill="none",
         stroke_width=3.5 if line.pale else 1.5, stroke_opacity=0.35 if line.pale else None,
         stroke_dasharray=line.dash, stroke_linejoin="round", stroke_linecap="round",
     )  # fmt: skip
+
+
+def _framing(lines: Sequence[Line]) -> list[Array]:
+    """The values that set the axis: pale companions stretch it to three times the solid lines' reach, not more.
+
+    A controller may ask for thirty times what a base can do; what the base did must stay readable.
+    """
+    solid = [line.y[np.isfinite(line.y)] for line in lines if not line.pale]
+    reach = max((float(np.abs(values).max()) for values in solid if len(values)), default=np.inf)
+    limit = 3.0 * reach if reach > 0.0 else np.inf
+    pale = [np.clip(line.y[np.isfinite(line.y)], -limit, limit) for line in lines if line.pale]
+    return solid + pale
 
 
 def _legend(lines: Sequence[Line], left: float, row: float) -> str:

@@ -40,6 +40,10 @@
     return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "−");
   }
 
+  function length(metres) {
+    return Math.abs(metres) >= 1 ? `${number(metres, 3)} m` : `${number(1e3 * metres, 1)} mm`;
+  }
+
   /** An arrow from (x, y) by (dx, dy) pixels, nothing when it is too short to be seen. */
   function arrow(x, y, dx, dy) {
     const length = Math.hypot(dx, dy);
@@ -176,8 +180,8 @@
       say("pose", `${number(x, 3)}, ${number(y, 3)} m`);
       say("heading", `${number((turn * 180) / Math.PI, 1)}°`);
       say("speed", `${number(Math.hypot(track.twist.at(at[0], 0), track.twist.at(at[0], 1)), 3)} m/s`);
-      say("error", `${number(1e3 * track.error.at(at[0]), 1)} mm`);
-      if (track.drift) say("drift", `${number(1e3 * track.drift.at(at[0]), 1)} mm`);
+      say("error", length(track.error.at(at[0])));
+      if (track.drift) say("drift", length(track.drift.at(at[0])));
     }
 
     function show(t) {

@@ -149,6 +149,7 @@ class RecordingSection:
                 "Heading error of odometry",
                 "°",
                 (Line("", self.time, heading_error(self.odometry, self.truth), 4),),
+                least=0.2,
                 height=200.0,
             ),
         )
