@@ -10,7 +10,7 @@ from holodrive.files.units import shown
 from holodrive.layout import MAX_MICE
 from holodrive.robots import checks, parts
 from holodrive.robots.form import BatteryForm, GroundForm, LimitsForm, RobotForm, SpeedLoopForm
-from holodrive.robots.names import check_name
+from holodrive.robots.naming import check_name
 from holodrive.robots.place import xy
 from holodrive.robots.spec import Battery, Ground, Imu, Lidar, Limits, Mouse, Robot, SpeedLoop, WheelSpec
 from holodrive.robots.wheels import wheels

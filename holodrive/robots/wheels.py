@@ -10,7 +10,7 @@ from holodrive.files.units import QuantityError, parse, shown
 from holodrive.layout import MAX_WHEELS
 from holodrive.robots import checks, parts
 from holodrive.robots.form import WheelForm
-from holodrive.robots.names import check_name
+from holodrive.robots.naming import check_name
 from holodrive.robots.place import xy
 from holodrive.robots.spec import Motor, Steering, WheelSpec
 

@@ -96,7 +96,7 @@ def _goal(source: Source) -> Goal | None:
     if form.heading_matters and form.heading is None:
         source.fault(("goal", "heading_matters"), "[goal] has no 'heading' that could matter")
     return Goal(
-        pose=Pose(form.x, form.y, form.heading or 0.0),
+        pose=Pose(form.x, form.y, 0.0 if form.heading is None else form.heading),
         tolerance_m=form.tolerance,
         tolerance_rad=form.heading_tolerance,
         heading_matters=form.heading is not None if form.heading_matters is None else form.heading_matters,
