@@ -57,6 +57,15 @@ def test_a_flipped_bit_costs_one_chunk_at_most(whole: Path, tmp_path: Path) -> N
         assert read_or_one_line(damaged(whole, tmp_path, bytes(broken))) >= 300 - CHUNK_TICKS, place
 
 
+@pytest.mark.campaign
+def test_ten_thousand_flipped_bits(whole: Path, tmp_path: Path) -> None:
+    data, rng = whole.read_bytes(), np.random.default_rng(1)
+    for place in rng.integers(0, len(data), 10_000):
+        broken = bytearray(data)
+        broken[place] ^= 1 << int(rng.integers(8))
+        assert read_or_one_line(damaged(whole, tmp_path, bytes(broken))) >= 300 - CHUNK_TICKS, place
+
+
 def test_a_damaged_chunk_is_told_in_one_line(whole: Path, tmp_path: Path) -> None:
     data = bytearray(whole.read_bytes())
     chunk = [i for i in range(len(data)) if data[i : i + 8] == b"\x04\x00\x00\x00zstd"][5]

@@ -46,12 +46,10 @@ def end(process: "subprocess.Popen[bytes]", after: int, how: signal.Signals) -> 
     return float([line for line in seen if line.endswith(b"\n")][-1])
 
 
-@pytest.mark.parametrize("pause_s", [0.0, 0.01], ids=["simulated", "real time"])
-def test_kill_9_loses_a_quarter_of_a_second_at_most(pause_s: float, tmp_path: Path) -> None:
-    """The file is readable as it is, without repair, and says that it was not closed."""
-    rng = random.Random(1)
+def kill_some(count: int, pause_s: float, folder: Path, seed: int) -> None:
+    rng = random.Random(seed)
     body = DRIVE.replace("PAUSE", str(pause_s))
-    paths = [tmp_path / f"{i}.mcap" for i in range(3)]
+    paths = [folder / f"{seed}-{i}.mcap" for i in range(count)]
     processes = [child(body, path) for path in paths]
     for process, path in zip(processes, paths, strict=True):
         last = end(process, rng.randrange(1, 150), signal.SIGKILL)
@@ -61,6 +59,18 @@ def test_kill_9_loses_a_quarter_of_a_second_at_most(pause_s: float, tmp_path: Pa
         assert run.settings == {"seed": 1}
         assert "was not closed" in run.damage
         np.testing.assert_allclose(np.diff(run.time), 0.01)
+
+
+@pytest.mark.parametrize("pause_s", [0.0, 0.01], ids=["simulated", "real time"])
+def test_kill_9_loses_a_quarter_of_a_second_at_most(pause_s: float, tmp_path: Path) -> None:
+    """The file is readable as it is, without repair, and says that it was not closed."""
+    kill_some(3, pause_s, tmp_path, seed=1)
+
+
+@pytest.mark.campaign
+def test_two_hundred_kills(tmp_path: Path) -> None:
+    for seed in range(50):
+        kill_some(4, 0.01 * (seed % 2), tmp_path, seed)
 
 
 def test_ctrl_c_closes_the_file_well(tmp_path: Path) -> None:
