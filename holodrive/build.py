@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from holodrive import __version__, control, estimation, metrics, planning, references, robots, worlds
+from holodrive import __version__, control, estimation, planning, references, robots, worlds
 from holodrive import log as logs
 from holodrive.errors import InputError, LogError
 from holodrive.interfaces import Base, Controller, ControllerPlug, Estimator, Plug
@@ -89,6 +89,7 @@ def drive(
     log: str | Path | None = None,
     stop_on_arrival: bool = True,
     real_time: bool = False,
+    keep_s: float | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Run:
     """Drive a base until arrival, a fault, Ctrl-C or `duration_s`, and give the whole run.
@@ -106,6 +107,7 @@ def drive(
         log: MCAP file to write.
         stop_on_arrival: end when the controller says it is there (default); a trajectory runs to its end either way.
         real_time: keep to the wall clock.
+        keep_s: how much of the end of the run stays in memory [s], all when None; metrics and log have all of it.
         progress: called with the time of each tick [s].
 
     Raises:
@@ -121,7 +123,8 @@ def drive(
     settings = _settings(base, controller, estimator, params, table, start, length, stop_on_arrival)
     driver = control.controller(controller, robot, params)
     believer = estimation.estimator(estimator, robot) if isinstance(estimator, str) else estimator
-    builder = logs.RunBuilder(robot, place, settings)
+    keep_ticks = None if keep_s is None else max(1, round(keep_s / robot.control_period_s))
+    builder = logs.RunBuilder(robot, place, settings, keep_ticks=keep_ticks)
     recorder = logs.Recorder(log, robot, place, settings) if log is not None else None
     try:
         sinks: tuple[Sink, ...] = (builder, recorder) if recorder else (builder,)
@@ -131,7 +134,7 @@ def drive(
             length, stop_on_arrival=stop_on_arrival, pace=RealTime() if real_time else None, progress=progress
         )
         run = builder.build()
-        values = {**metrics.of_run(run), "ended_at_s": ending.time}
+        values = builder.metrics(getattr(base, "energy_j", math.nan))
         if recorder:
             recorder.close(values)
         return replace(run, metrics=values, settings={**settings, "ended": ending.why}, path=Path(log) if log else None)

@@ -10,7 +10,7 @@ reference's, e = |p - r| [m] and t the time:
                           one sense that follow each other are one turn, however long it lasts
     min_clearance_m       least distance from the round footprint to an obstacle or wall; infinite with none
     collisions            contacts that began
-    moved_collisions      those in which the obstacle moved, faster than 1 cm/s
+    moved_collisions      those in which the robot itself moved, faster than 1 cm/s: it was not just run into
     iae_m_s               integral of e dt (trapezoids)
     ise_m2_s              integral of e^2 dt
     rms_error_m           sqrt(ise / time)
@@ -35,6 +35,7 @@ from holodrive.obstacles import clearance
 
 if TYPE_CHECKING:
     from holodrive.log.run import Run
+    from holodrive.worlds.spec import World
 
 NAMES = (
     "arrived",
@@ -67,27 +68,45 @@ _TICKS, _DUTIES, _T0, _T, _X, _Y, _ANCHOR_X, _ANCHOR_Y, _DIRECTION, _BEND = rang
 SIZE = 26
 
 
-def of_run(run: "Run", energy_j: float = math.nan) -> dict[str, float]:
-    """All metrics of a recorded run: true poses where they are known, believed ones else.
+class Tally:
+    """Metrics of a run that comes in pieces, so that a run of any length needs no memory of its own.
 
     Args:
-        run: the recording.
-        energy_j: drawn from the battery, where somebody knows.
+        world: for the clearance; None has no obstacles.
+        footprint_m: radius of the robot.
     """
-    pose = run.pose if np.isfinite(run.pose).any() else run.estimate
-    touches = [event for event in run.events if event.kind == "collision"]
-    gap = clearance(run.world, run.time, pose, run.robot.footprint_radius_m)
-    return of_arrays(
-        run.time,
-        pose,
-        run.reference,
-        run.duty,
-        clearance_m=gap,
-        arrived=any(event.kind == "arrived" for event in run.events),
-        collisions=len(touches),
-        moved_collisions=sum(event.data.get("moved") in ("obstacle", "both") for event in touches),
-        energy_j=energy_j,
-    )
+
+    def __init__(self, world: "World | None", footprint_m: float) -> None:
+        self._world, self._footprint_m = world, footprint_m
+        self._acc = np.zeros(SIZE)
+        start(self._acc)
+
+    def add(self, piece: "Run") -> None:
+        """Count the ticks and events of the next piece: true poses where they are known, believed ones else."""
+        pose = np.ascontiguousarray(piece.pose if np.isfinite(piece.pose).any() else piece.estimate)
+        _fold(self._acc, piece.time, pose, np.ascontiguousarray(piece.reference), np.ascontiguousarray(piece.duty))
+        gap = clearance(self._world, piece.time, pose, self._footprint_m)
+        self._acc[CLEARANCE] = np.min(gap[np.isfinite(gap)], initial=self._acc[CLEARANCE])
+        for event in piece.events:
+            if event.kind == "arrived":
+                self._acc[ARRIVED] = 1.0
+            elif event.kind == "collision":
+                self._acc[COLLISIONS] += 1.0
+                self._acc[MOVED_COLLISIONS] += float(event.data.get("moved") in ("robot", "both"))
+
+    def result(self, energy_j: float = math.nan) -> dict[str, float]:
+        """All metrics up to now; `energy_j` was drawn from the battery, where somebody knows."""
+        acc = self._acc.copy()
+        acc[ENERGY] = energy_j
+        finish(acc)
+        return dict(zip(NAMES, acc[: len(NAMES)].tolist(), strict=True))
+
+
+def of_run(run: "Run", energy_j: float = math.nan) -> dict[str, float]:
+    """All metrics of a recorded run; `energy_j` as in `Tally.result`."""
+    tally = Tally(run.world, run.robot.footprint_radius_m)
+    tally.add(run)
+    return tally.result(energy_j)
 
 
 def of_arrays(
@@ -113,6 +132,7 @@ def of_arrays(
     references = np.ascontiguousarray(reference, dtype=np.float64)
     duties = np.full((len(times), 1), math.nan) if duty is None else np.ascontiguousarray(duty, dtype=np.float64)
     acc = np.zeros(SIZE)
+    start(acc)
     _fold(acc, times, poses, references, duties)
     gaps = np.asarray(clearance_m, dtype=np.float64)
     acc[CLEARANCE] = np.min(gaps[np.isfinite(gaps)], initial=math.inf)
@@ -124,7 +144,6 @@ def of_arrays(
 
 @njit(cache=True, error_model="numpy")
 def _fold(acc, time, pose, reference, duty):  # type: ignore[no-untyped-def]
-    start(acc)
     for k in range(time.shape[0]):
         if math.isfinite(pose[k, 0] + pose[k, 1] + pose[k, 2]):
             tick(acc, time[k], pose[k], reference[k])

@@ -73,7 +73,7 @@ def tell(model, state, events, time, nx, ny, vx, vy, number):  # type: ignore[no
     state[oldest], state[oldest + 1] = number + 1.0, time
     speed = math.hypot(state[st.TWIST], state[st.TWIST + 1])
     state[st.COLLISIONS] += 1.0
-    if math.hypot(vx, vy) > STANDING:
+    if speed > STANDING:
         state[st.MOVED_COLLISIONS] += 1.0
     row = write_event(state, events, time, st.COLLISION)
     if row >= 0:

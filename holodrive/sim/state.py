@@ -18,7 +18,7 @@ VOLTAGE = 19  # V at the drivers
 FAULT = 20  # 1.0 once a command was not finite; latched
 DIRECT = 21  # 1.0 while the command is a duty
 COLLISIONS = 22  # how many contacts began
-MOVED_COLLISIONS = 23  # those in which the obstacle moved
+MOVED_COLLISIONS = 23  # those in which the robot moved
 N_EVENTS = 24  # rows written to the event table
 CONTACTS = 25  # 4 x (obstacle number + 1, time of last touch)
 
