@@ -77,7 +77,7 @@ class Table:
         """A table element whose cells are escaped."""
         classes = ["number" if right else "" for right in self.numeric]
         head = "".join(
-            f'<th scope="col" class="{k}">{escape(h)}</th>' for h, k in zip(self.headers, classes, strict=True)
+            f'<th scope="col" class="{k}">{_unbroken(h)}</th>' for h, k in zip(self.headers, classes, strict=True)
         )
         body = ""
         for i, row in enumerate(self.cells):
@@ -169,7 +169,8 @@ def _best(name: str, values: Sequence[float], texts: Sequence[str]) -> list[int]
         or len({text for text, v in zip(texts, values, strict=True) if math.isfinite(v)}) < 2
     ):
         return []
-    target = (min if better == "low" else max)(known)
+    # some errors keep their sign; the one nearest to zero is the best
+    target = min(known, key=abs) if better == "low" else max(known)
     told_best = {text for text, v in zip(texts, values, strict=True) if v == target}
     return [j for j, text in enumerate(texts) if text in told_best]
 
@@ -180,6 +181,11 @@ def _difference(base: float, value: float) -> str:
         return ""
     share = 100.0 * (value - base) / abs(base)
     return f" ({share:+.{0 if abs(share) >= 10 else 1}f} %)".replace("-", "−") if abs(share) < 1000 else ""
+
+
+def _unbroken(header: str) -> str:
+    """A header whose unit does not stand alone on a line of its own."""
+    return escape(header).replace(", ", ",&nbsp;")
 
 
 def _text(value: Any) -> str:
