@@ -110,8 +110,15 @@ def read_bytes(path: Path) -> bytes:
 
 
 def _by_topic(found: Salvage) -> dict[str, list[bytes]]:
-    """Messages of each topic. Where a channel's record is lost, its number tells: it is the same in all our files."""
-    topics = {channel.number: channel.topic for channel in CHANNELS} | found.topics
+    """Messages of each topic of ours.
+
+    Where a channel's record is lost or damaged, its number tells the topic: it is the same in all our files.
+    """
+    usual = {channel.number: channel.topic for channel in CHANNELS}
+    known = set(usual.values())
+    topics = {number: (said & known).pop() for number, said in found.topics.items() if said & known}
+    claimed = set(topics.values())
+    topics |= {n: topic for n, topic in usual.items() if n not in topics and topic not in claimed}
     out: dict[str, list[bytes]] = {}
     for channel, _, data in found.messages:
         out.setdefault(topics.get(channel, ""), []).append(data)
@@ -132,8 +139,9 @@ def _description(path: Path, messages: list[bytes], found: Salvage) -> dict[str,
         return {key: texts.get(name, "") for key, name in keys.items()}
     if found.missing:
         raise LogError(f"{path}: its chunks are packed with {found.missing}; rewrite it with zstd (mcap compress)")
-    if found.chunks and found.topics and not any(topic.startswith("/holodrive/") for topic in found.topics.values()):
-        names = ", ".join(sorted(found.topics.values())[:5])
+    topics = sorted(set().union(*found.topics.values()))
+    if found.chunks and topics and not any(topic.startswith("/holodrive/") for topic in topics):
+        names = ", ".join(topics[:5])
         raise LogError(f"{path}: an MCAP file, but not of holodrive (topics: {names}); export it as CSV to replay it")
     raise LogError(f"{path}: no readable description of the robot ({_count(found)}); nothing can be told without it")
 

@@ -30,7 +30,7 @@ class Salvage:
 
     Attributes:
         messages: (channel, log time [ns], data) in the order of the file, chunk by chunk.
-        topics: channel -> topic, as far as channel records were found.
+        topics: channel -> topics that its records say; they have no check sum, so a damaged one may say another.
         attachments: name -> text of those whose check sum is right.
         chunks: how many whole chunks there are; `lost_chunks`: how many are there but damaged.
         lost_bytes: that could not be understood.
@@ -38,7 +38,7 @@ class Salvage:
     """
 
     messages: list[tuple[int, int, bytes]] = field(default_factory=list)
-    topics: dict[int, str] = field(default_factory=dict)
+    topics: dict[int, set[str]] = field(default_factory=dict)
     attachments: dict[str, str] = field(default_factory=dict)
     chunks: int = 0
     lost_chunks: int = 0
@@ -110,7 +110,7 @@ def _read_channel(body: bytes, found: Salvage) -> None:
         number, _, length = struct.unpack_from("<HHI", body)
         topic = body[8 : 8 + length]
         if len(topic) == length:
-            found.topics[number] = topic.decode("utf-8", errors="replace")
+            found.topics.setdefault(number, set()).add(topic.decode("utf-8", errors="replace"))
 
 
 def _read_attachment(body: bytes, found: Salvage) -> None:
