@@ -40,7 +40,7 @@ def fixed_goal(pose: ArrayLike) -> Table:
     return Table(FIXED, rows, {"kind": "goal", "pose": rows[0, 1:4].tolist()})
 
 
-def waypoints(poses: ArrayLike, tolerance_m: float = 0.1) -> Table:
+def waypoints(poses: ArrayLike, tolerance_m: float = 0.05) -> Table:
     """Poses (K, 3) to pass one after another; the next becomes the reference within `tolerance_m` of the present.
 
     The last one is a goal to stop at. Column 0 of the table holds the tolerance instead of a time.

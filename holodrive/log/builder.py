@@ -3,16 +3,18 @@
 import math
 from collections.abc import Mapping
 from copy import deepcopy
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from holodrive.log.rows import columns_of, run_of_rows
 from holodrive.log.run import Run, Tick
-from holodrive.metrics import Tally
 from holodrive.robots.spec import Robot
 from holodrive.types import Event, Scan
 from holodrive.worlds.spec import World
+
+if TYPE_CHECKING:
+    from holodrive.metrics import Tally
 
 _ROWS_AT_FIRST = 1024
 
@@ -94,5 +96,7 @@ class RunBuilder:
         self._rows[: self._count - count] = self._rows[count : self._count]
         self._count -= count
 
-    def _new_tally(self) -> Tally:
+    def _new_tally(self) -> "Tally":
+        from holodrive.metrics import Tally  # with Numba, which reading a log does not need
+
         return Tally(self._world, self._robot.footprint_radius_m)
