@@ -3,6 +3,7 @@ SHELL := /bin/sh
 PYTHON ?= $(shell command -v python3 || command -v python3.13 || command -v python3.12 || command -v python3.11)
 BIN := .venv/bin
 PYTEST_ARGS ?=
+PYTEST_WORKERS ?= -n auto --maxprocesses 4 # two cores: 73 s instead of 110 s
 # What another environment (ROS, for one) has on its path must not leak into ours.
 unexport PYTHONPATH PYTHONHOME
 
@@ -24,7 +25,7 @@ demo: setup ## drive three robots, replay a recorded one, write out/demo/demo.ht
 	@$(BIN)/holodrive demo
 
 test: setup-dev ## run the tests (PYTEST_ARGS="-k odometry" for some)
-	@$(BIN)/python -m pytest $(PYTEST_ARGS)
+	@$(BIN)/python -m pytest $(PYTEST_WORKERS) $(PYTEST_ARGS)
 
 lint: setup-dev ## style, types and import layers
 	@$(BIN)/ruff check .
@@ -36,7 +37,7 @@ bench: setup-dev ## measure what the README claims
 	@for script in benchmarks/[!_]*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
 
 campaign: setup-dev ## the slow tests: more seeds, more robots
-	@$(BIN)/python -m pytest -m campaign --hypothesis-profile=campaign $(PYTEST_ARGS)
+	@$(BIN)/python -m pytest $(PYTEST_WORKERS) -m campaign --hypothesis-profile=campaign $(PYTEST_ARGS)
 
 lock: ## renew requirements*.lock from pyproject.toml (needs uv)
 	@uv pip compile pyproject.toml --group build -o requirements.lock $(LOCK_ARGS)
