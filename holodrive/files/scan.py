@@ -32,8 +32,8 @@ class TooDeepError(Exception):
         super().__init__()
 
 
-class _Odd(Exception):  # noqa: N818 - not an error, the sign that the text is not TOML from here on
-    pass
+class _Odd(Exception):
+    """Not an error: the sign that the text is not TOML from here on."""
 
 
 @dataclass(slots=True)

@@ -6,7 +6,7 @@ import pytest
 
 from holodrive import robots, worlds
 from holodrive.errors import FileFaults
-from holodrive.files import errors_text
+from holodrive.files import errors_text, table_names
 
 CORPUS = Path(__file__).parents[1] / "corpus"
 MARK = "# expect: "
@@ -131,3 +131,13 @@ def test_listing_stops_at_a_hundred_faults():
     with pytest.raises(FileFaults, match="more faults are not listed") as error:
         worlds.parse(HOSTILE["many wrong circles"])
     assert len(error.value.faults) == 101
+
+
+def test_a_world_can_be_told_from_a_robot_before_it_is_read(tmp_path):
+    file = tmp_path / "x.toml"
+    file.write_text(worlds.template("x"))
+    assert table_names(file) == {"schema", "world", "arena", "start", "goal", "circle", "box", "wall"}
+    for text in HOSTILE.values():
+        file.write_text(text)
+        table_names(file)
+    assert table_names(tmp_path / "missing.toml") == set()
