@@ -28,10 +28,8 @@ test: setup-dev ## run the tests (PYTEST_ARGS="-k odometry" for some)
 	@$(BIN)/python -m pytest $(PYTEST_WORKERS) $(PYTEST_ARGS)
 
 lint: setup-dev ## style, types and import layers
-	@$(BIN)/ruff check .
-	@$(BIN)/ruff format --check .
-	@$(BIN)/mypy
-	@$(BIN)/lint-imports
+	@status=0; for check in "ruff check ." "ruff format --check ." mypy lint-imports; do \
+		$(BIN)/$$check || status=1; done; exit $$status
 
 bench: setup-dev ## measure what the README claims
 	@for script in benchmarks/[!_]*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
