@@ -28,8 +28,6 @@ def discretise(twist: ArrayLike, dt_s: float) -> Array:
 def half_cotangent(half: ArrayLike) -> Array:
     """h cot(h), 1 at 0."""
     half = np.asarray(half, dtype=np.float64)
-    q = half * half
-    small = q < 0.0225
-    series = 1.0 - q * (1 / 3 + q * (1 / 45 + q * (2 / 945 + q * (1 / 4725 + q * (2 / 93555)))))
-    safe = np.where(small, 1.0, half)
-    return np.asarray(np.where(small, series, safe * np.cos(safe) / np.sin(safe)))
+    safe = np.where(half == 0.0, 1.0, half)
+    # as exact as a series for small angles: tan(h) has all its digits there
+    return np.asarray(np.where(half == 0.0, 1.0, safe / np.tan(safe)))

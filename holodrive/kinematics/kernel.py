@@ -16,7 +16,7 @@ import numpy as np
 from numba import njit
 
 from holodrive.kinematics.chassis import Chassis
-from holodrive.kinematics.settings import FOUR_GOALS, GOAL, HOLD_SPEED, HYSTERESIS, SLOW_DOWN_ROUNDS, TIGHT, TWO_GOALS
+from holodrive.kinematics.settings import GOAL, HOLD_SPEED, HYSTERESIS, SLOW_DOWN_ROUNDS, TIGHT
 from holodrive.types import Array
 
 if TYPE_CHECKING:
@@ -167,26 +167,22 @@ def worst_wheel(kin: Array, load: float, first: Array, second: Array) -> int:
 
 @njit(cache=True, error_model="numpy")
 def slow_down(pa: float, qa: float, ra: float, pb: float, qb: float, rb: float, half: float, load: float) -> float:
-    """Factor that brings one wheel to its limit; `scalar_step.slow_down` says how."""
-    qa, qb = qa * half, qb * half
+    """Factor that brings one wheel to its limit; `scalar_step.slow_fixed` and `slow_module` say how."""
     f, h = 1.0, half
     for _ in range(SLOW_DOWN_ROUNDS):
-        q = h * h
         k = half_cotangent(h)
-        slope = half * h * (q * -0.08888888888888889 - 0.6666666666666666) if q < 0.0225 else half * (k - k * k - q) / h
-        a, b = k * pa + f * qa + ra, k * pb + f * qb + rb
+        a, b = k * pa + h * qa + ra, k * pb + h * qb + rb
         g = math.sqrt(a * a + b * b)
-        tilt = (a * (slope * pa + qa) + b * (slope * pb + qb)) / g
+        slope = (k - k * k - h * h) / f
+        tilt = (a * (slope * pa + half * qa) + b * (slope * pb + half * qb)) / g
         base = g - tilt * f
-        root = base * base + tilt * FOUR_GOALS
-        guess = TWO_GOALS / (base + math.sqrt(root)) if root > 0.0 else GOAL / load
-        if not 0.0 < guess < 1.0:
-            guess = GOAL / load
-        step = (guess - f) * half
-        f = guess
-        if step * step <= TIGHT:
-            break
+        root = base * base + 4.0 * tilt * GOAL
+        old, f = f, 2.0 * GOAL / (base + math.sqrt(root)) if root > 0.0 else -1.0
+        if not 0.0 < f < 1.0:
+            f = GOAL / load
         h = f * half
+        if ((f - old) * half) ** 2 <= TIGHT:
+            break
     return f
 
 
@@ -228,10 +224,7 @@ def row(kin: Array, at: int, vx: float, vy: float, omega: float) -> float:
 @njit(cache=True, error_model="numpy", forceinline=True)
 def half_cotangent(half: float) -> float:
     """h cot(h): how much a straight line shrinks to the chord's twist; 1 without turning."""
-    q = half * half
-    if q < 0.0225:  # series exact to the last bit
-        return 1.0 - q * (1 / 3 + q * (1 / 45 + q * (2 / 945 + q * (1 / 4725 + q * (2 / 93555)))))
-    return half * math.cos(half) / math.sin(half)
+    return half / math.tan(half) if half != 0.0 else 1.0
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)

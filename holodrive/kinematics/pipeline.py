@@ -36,6 +36,8 @@ class CommandPipeline:
         limits: instead of the robot's own.
     """
 
+    __slots__ = ("_bounds", "_memory", "_result", "_step", "chassis")
+
     def __init__(self, robot: "Robot | Chassis", limits: "Limits | None" = None) -> None:
         self.chassis = robot if isinstance(robot, Chassis) else Chassis.of(robot)
         if limits is None and not isinstance(robot, Chassis):
@@ -58,8 +60,7 @@ class CommandPipeline:
 
         A twist that is not finite gives NaN speeds, which the gate turns into a stop.
         """
-        vx, vy, omega = twist
-        self._result = result = self._step(vx, vy, omega, dt_s, self._memory)
+        self._result = result = self._step(*twist, dt_s, self._memory)  # type: ignore[call-arg]
         return _new(WheelCommand, result[:2])  # half the time of WheelCommand(...)
 
     @property

@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Callable, Sequence
-from math import cos, sin, sqrt
+from math import sqrt, tan
 from typing import TYPE_CHECKING, Any
 
 from holodrive.kinematics.scalar import compile_functions, function, linear_maps, times
-from holodrive.kinematics.settings import FOUR_GOALS, GOAL, HOLD_SPEED, HYSTERESIS, SLOW_DOWN_ROUNDS, TIGHT, TWO_GOALS
+from holodrive.kinematics.settings import GOAL, HOLD_SPEED, HYSTERESIS, SLOW_DOWN_ROUNDS, TIGHT
 from holodrive.robots.spec import Limits
 
 if TYPE_CHECKING:
@@ -27,10 +27,10 @@ def command_step(chassis: "Chassis", limits: Limits | None = None) -> Step:
     or one of NOTHING, SPEED, YAW_RATE, ACCEL.
     """
     names = {
-        "isfinite": math.isfinite,
         "remainder": math.remainder,
         "nan": math.nan,
-        "slow_down": slow_down,
+        "tan": math.tan,
+        "slowing": _slowing(chassis),
         "joint": joint,
     }
     return compile_functions(source(chassis, limits or Limits()), "command step", **names)["command_step"]  # type: ignore[no-any-return]
@@ -43,9 +43,11 @@ def source(chassis: "Chassis", limits: Limits) -> str:
     speeds = ", ".join(f"w{i}" for i in range(len(chassis.wheels)))
     accelerates = math.isfinite(limits.accel_m_s2) or math.isfinite(limits.yaw_accel_rad_s2)
     memory = ["lx", "ly", "lw", *angles, *signs]
+    last = ["c * vx + s * vy", "c * vy - s * vx", "omega"] if accelerates else ["vx", "vy", "omega"]
     lines = [
         f"{', '.join(memory)} = memory",
-        "if not (isfinite(vx + vy + omega) and dt > 0.0):",
+        "sum_ = vx + vy + omega",
+        "if not (sum_ - sum_ == 0.0 and dt > 0.0):",  # not finite: inf - inf is NaN
         "    memory[0] = memory[1] = memory[2] = 0.0",
         f"    return ({'nan, ' * len(chassis.wheels)}), {_tuple(angles)}, nan, nan, nan, nan, {NOTHING}",
         "scale, binding = 1.0, -1",
@@ -56,14 +58,10 @@ def source(chassis: "Chassis", limits: Limits) -> str:
         *_row_lines(chassis),
         *_fit_lines(chassis),
         *(["turn = omega * dt", "c, s = cos(turn), sin(turn)"] if accelerates else []),
-        "memory[0] = c * vx + s * vy" if accelerates else "memory[0] = vx",
-        "memory[1] = c * vy - s * vx" if accelerates else "memory[1] = vy",
-        "memory[2] = omega",
         *_module_lines(chassis),
+        f"memory[:] = ({', '.join([*last, *angles, *signs])})",
         f"return ({speeds},), {_tuple(angles)}, vx, vy, omega, scale, binding",
     ]
-    if m:
-        lines.insert(-1, f"memory[3:] = ({', '.join(angles + signs)})")
     return function("command_step", ["vx", "vy", "omega", "dt", "memory"], lines)
 
 
@@ -76,18 +74,21 @@ def _limit_lines(limits: Limits) -> list[str]:
             f"if speed > {limits.speed_m_s!r}:",
             f"    scale, binding = {limits.speed_m_s!r} / speed, {SPEED}",
         ]
-    lines += [
-        "rate = omega if omega > 0.0 else -omega",
-        f"top = {math.pi!r} / dt",
-        *([f"top = min(top, {limits.yaw_rate_rad_s!r})"] if math.isfinite(limits.yaw_rate_rad_s) else []),
-        "if rate * scale > top:",
-        f"    scale, binding = top / rate, {YAW_RATE}",
+    if math.isfinite(limits.yaw_rate_rad_s):
+        lines += [
+            f"if abs(omega) * scale > {limits.yaw_rate_rad_s!r}:",
+            f"    scale, binding = {limits.yaw_rate_rad_s!r} / abs(omega), {YAW_RATE}",
+        ]
+    return [
+        *lines,
+        "turn = omega * dt * scale",
+        f"if not {-math.pi!r} <= turn <= {math.pi!r}:",
+        f"    scale, binding = {math.pi!r} / abs(omega * dt), {YAW_RATE}",
         "if scale != 1.0:",
         "    vx *= scale",
         "    vy *= scale",
         "    omega *= scale",
     ]
-    return lines
 
 
 def _accelerate_lines(limits: Limits) -> list[str]:
@@ -108,9 +109,7 @@ def _accelerate_lines(limits: Limits) -> list[str]:
 def _discrete_lines(indent: str = "") -> list[str]:
     """(ux, uy): the twist that holds a straight line while turning by 2 half in the tick."""
     lines = [
-        "q = half * half",
-        "k = 1.0 - q * (1/3 + q * (1/45 + q * (2/945 + q * (1/4725 + q * (2/93555))))) if q < 0.0225 else "
-        "half * cos(half) / sin(half)",
+        "k = half / tan(half) if half else 1.0",
         "ux = k * vx + half * vy",
         "uy = k * vy - half * vx",
     ]
@@ -118,42 +117,54 @@ def _discrete_lines(indent: str = "") -> list[str]:
 
 
 def _row_lines(chassis: "Chassis", indent: str = "") -> list[str]:
-    """Wheel rows of (ux, uy, omega) into w (fixed wheels) and a, b with rim speed u (modules); then the loads."""
+    """Wheel rows of (ux, uy, omega): w (fixed wheels), or a, b, and the square q of the rim speed (modules)."""
     lines, rows = linear_maps(chassis.jacobian, ("ux", "uy", "omega"), "p")
+    names = _contact_names(chassis)
+    used = [name for pair in names.values() for name in pair]
     for i, (wheel, row) in enumerate(zip(chassis.wheels, chassis.row, strict=True)):
-        if wheel.steered:
-            lines += [f"a{i} = {rows[row]}", f"b{i} = {rows[row + 1]}", f"u{i} = sqrt(a{i} * a{i} + b{i} * b{i})"]
-        else:
+        if not wheel.steered:
             lines.append(f"w{i} = {rows[row]}")
+            continue
+        squares = []
+        for name, expression in zip(names[i], (rows[row], rows[row + 1]), strict=True):
+            if f"{name} = {expression}" not in lines:
+                lines.append(f"{name} = {expression}")
+                if used.count(name) > 1:
+                    lines.append(f"{name}2 = {name} * {name}")
+            squares.append(f"{name}2" if used.count(name) > 1 else f"{name} * {name}")
+        lines.append(f"q{i} = {squares[0]} + {squares[1]}")
     return [indent + line for line in lines]
 
 
-def _loads(chassis: "Chassis") -> list[str]:
-    """Speed of each limited wheel relative to its limit."""
-    loads = []
-    for i, wheel in enumerate(chassis.wheels):
-        if math.isfinite(wheel.max_speed):
-            bound = wheel.max_rim_speed if wheel.steered else wheel.max_speed
-            loads.append(f"{f'u{i}' if wheel.steered else f'abs(w{i})'} * {1.0 / bound!r}")
-    return loads
+def _contact_names(chassis: "Chassis") -> dict[int, tuple[str, str]]:
+    """Names of each module's contact velocity along and across; equal ones share a name."""
+    _, rows = linear_maps(chassis.jacobian, ("ux", "uy", "omega"), "p")
+    known: dict[str, str] = {}
+    names = {}
+    for i in chassis.steered:
+        along, across = rows[chassis.row[i]], rows[chassis.row[i] + 1]
+        names[i] = known.setdefault(along, f"a{i}_"), known.setdefault(across, f"b{i}_")
+    return names
 
 
 def _fit_lines(chassis: "Chassis") -> list[str]:
-    """Scale into what the wheels can do: only a command that is too fast pays for more than one comparison."""
+    """Scale into what the wheels can do; squares of speeds are compared, which costs least."""
     limited = [i for i, wheel in enumerate(chassis.wheels) if math.isfinite(wheel.max_speed)]
     if not limited:
         return []
-    loads = _loads(chassis)
-    bounds = {wheel.max_rim_speed if wheel.steered else wheel.max_speed for wheel in chassis.wheels}
+    squares = [f"q{i}" if chassis.wheels[i].steered else f"w{i} * w{i}" for i in limited]
+    bounds = [chassis.wheels[i].max_rim_speed if chassis.wheels[i].steered else chassis.max_speeds[i] for i in limited]
     top = 1.0
-    if len(bounds) == 1:  # speeds can be compared as they are
-        top, loads = bounds.pop(), [load.partition(" * ")[0] for load in loads]
-    table = tuple(_wheel_rows(chassis, i) for i in limited)
+    if len(set(bounds)) == 1:  # speeds can be compared as they are
+        top = float(bounds[0])
+    else:
+        squares = [f"{square}{times(float(bound) ** -2)}" for square, bound in zip(squares, bounds, strict=True)]
     numbers = "worst" if limited == list(range(len(chassis.wheels))) else f"{tuple(limited)!r}[worst]"
     return [
-        f"while (load := {_largest(loads)}) > {top!r}:",
-        f"    worst = ({', '.join(loads)},).index(load)",
-        f"    factor, binding = slow_down({table!r}[worst], vx, vy, omega, half, k, load{times(1.0 / top)}), {numbers}",
+        f"while (square := {_largest(squares)}) > {top * top!r}:",
+        f"    worst = ({', '.join(squares)},).index(square)",
+        "    slow, c1, c2, c3 = slowing[worst]",
+        f"    factor, binding = slow(c1, c2, c3, vx, vy, omega, half, sqrt(square){times(1.0 / top)}), {numbers}",
         "    scale *= factor",
         "    vx *= factor",
         "    vy *= factor",
@@ -164,50 +175,73 @@ def _fit_lines(chassis: "Chassis") -> list[str]:
     ]
 
 
-def _wheel_rows(chassis: "Chassis", i: int) -> tuple[float, ...]:
-    """The rows of one wheel in units of its limit, both rows (the second 0 for a fixed wheel)."""
-    wheel, row = chassis.wheels[i], chassis.row[i]
-    bound = wheel.max_rim_speed if wheel.steered else wheel.max_speed
-    first = [float(value) / bound for value in chassis.jacobian[row]]
-    second = [float(value) / bound for value in chassis.jacobian[row + 1]] if wheel.steered else [0.0] * 3
-    return (*first, *second)
+def _slowing(chassis: "Chassis") -> tuple[tuple[Any, ...], ...]:
+    """What slows each limited wheel down: a function and its three numbers."""
+    table: list[tuple[Any, ...]] = []
+    for wheel, row in zip(chassis.wheels, chassis.row, strict=True):
+        if wheel.steered and math.isfinite(wheel.max_speed):
+            table.append((slow_module, wheel.x, wheel.y, wheel.max_rim_speed))
+        elif math.isfinite(wheel.max_speed):
+            table.append((slow_fixed, *(float(value) / wheel.max_speed for value in chassis.jacobian[row])))
+    return tuple(table)
 
 
-def slow_down(row: tuple[float, ...], vx: float, vy: float, omega: float, half: float, k: float, load: float) -> float:
-    """Factor that brings one wheel with `load` > 1 to its limit.
+def slow_fixed(ax: float, ay: float, aw: float, vx: float, vy: float, omega: float, half: float, load: float) -> float:
+    """Factor f that brings one fixed wheel with `load` > 1 to its limit.
 
     The wheel's relative speed under discretise(f twist) is f g(f), and g is nearly straight, for it bends only as the
-    turn in the tick does: g(f) = |k(f h) P + f h Q + R|, k(x) = x cot x. Each round lays g's tangent and solves the
-    quadratic. The same arithmetic as `kernel.slow_down`.
+    turn in the tick does: g(f) = |k P + h Q + R| with h = f half, k = h cot h. Each round lays g's tangent and solves
+    the quadratic. The same arithmetic as `kernel.slow_down`.
 
     Args:
-        row: both rows of the wheel in units of its limit.
+        ax, ay, aw: row of the wheel in units of its limit.
         vx, vy, omega: twist at factor 1.
-        half: h, half its turn in the tick [rad]; k: k(h).
+        half: half its turn in the tick [rad].
         load: g(1).
     """
-    ax, ay, aw, bx, by, bw = row
-    pa, qa, ra = ax * vx + ay * vy, (ax * vy - ay * vx) * half, aw * omega
-    pb, qb, rb = bx * vx + by * vy, (bx * vy - by * vx) * half, bw * omega
+    p, q, r = ax * vx + ay * vy, ax * vy - ay * vx, aw * omega
     f, h = 1.0, half
     for _ in range(SLOW_DOWN_ROUNDS):
-        q = h * h
-        slope = half * h * (q * -0.08888888888888889 - 0.6666666666666666) if q < 0.0225 else half * (k - k * k - q) / h
-        a, b = k * pa + f * qa + ra, k * pb + f * qb + rb
-        g = sqrt(a * a + b * b)
-        tilt = (a * (slope * pa + qa) + b * (slope * pb + qb)) / g
-        base = g - tilt * f
-        root = base * base + tilt * FOUR_GOALS
-        guess = TWO_GOALS / (base + sqrt(root)) if root > 0.0 else GOAL / load
-        if not 0.0 < guess < 1.0:
-            guess = GOAL / load
-        step = (guess - f) * half
-        f = guess
+        k = h / tan(h) if h else 1.0
+        g = k * p + h * q + r
+        tilt = (k - k * k - h * h) / f * p + half * q
+        if g < 0.0:
+            g, tilt = -g, -tilt
+        g -= tilt * f
+        root = g * g + 4.0 * GOAL * tilt
+        step = f
+        f = 2.0 * GOAL / (g + sqrt(root)) if root > 0.0 else -1.0
+        if not 0.0 < f < 1.0:
+            f = GOAL / load
+        h = f * half
+        step = (f - step) * half
         if step * step <= TIGHT:
             break
+    return f
+
+
+def slow_module(
+    x: float, y: float, bound: float, vx: float, vy: float, omega: float, half: float, load: float
+) -> float:
+    """`slow_fixed` for a steered wheel at (x, y) [m] with its rim speed limit `bound` [m/s]: P, Q, R are vectors."""
+    rx, ry, goal = -omega * y, omega * x, GOAL * bound
+    f, h = 1.0, half
+    for _ in range(SLOW_DOWN_ROUNDS):
+        k = h / tan(h) if h else 1.0
+        a, b = k * vx + h * vy + rx, k * vy - h * vx + ry
+        g = sqrt(a * a + b * b)
+        slope = (k - k * k - h * h) / f
+        tilt = (a * (slope * vx + half * vy) + b * (slope * vy - half * vx)) / g
+        g -= tilt * f
+        root = g * g + 4.0 * goal * tilt
+        step = f
+        f = 2.0 * goal / (g + sqrt(root)) if root > 0.0 else -1.0
+        if not 0.0 < f < 1.0:
+            f = GOAL / load
         h = f * half
-        q = h * h
-        k = 1.0 - q * (1 / 3 + q * (1 / 45 + q * (2 / 945 + q / 4725))) if q < 0.0225 else h * cos(h) / sin(h)
+        step = (f - step) * half
+        if step * step <= TIGHT:
+            break
     return f
 
 
@@ -216,7 +250,8 @@ def _module_lines(chassis: "Chassis") -> list[str]:
     if not chassis.steered:
         return []
     count = range(len(chassis.steered))
-    pairs = ", ".join(f"(a{i}, b{i}, s{j}, g{j})" for j, i in enumerate(chassis.steered))
+    names = _contact_names(chassis)
+    pairs = ", ".join(f"({', '.join(names[i])}, s{j}, g{j})" for j, i in enumerate(chassis.steered))
     lines = [
         "together = False",
         f"if not ({' and '.join(f'g{j}' for j in count)}):",
@@ -224,36 +259,43 @@ def _module_lines(chassis: "Chassis") -> list[str]:
     ]
     for j, i in enumerate(chassis.steered):
         wheel = chassis.wheels[i]
-        lines += _one_module_lines(i, j, 1.0 / wheel.radius, wheel.steer_rate)
+        lines += _one_module_lines(i, j, names[i], 1.0 / wheel.radius, wheel.steer_rate)
     return lines
 
 
-def _one_module_lines(i: int, j: int, per_radius: float, rate: float) -> list[str]:
+def _one_module_lines(i: int, j: int, contact: tuple[str, str], per_radius: float, rate: float) -> list[str]:
+    """One module. A moving one (g = +-1) keeps its drive sign until the turn for it is beyond 90 deg + hysteresis."""
+    along, across = contact
+    far = math.pi / 2 + HYSTERESIS
     lines = [
-        f"turn = atan2(b{i}, a{i}) - s{j}",
-        f"if turn > {math.pi!r} or turn < {-math.pi!r}:",
-        f"    turn = remainder(turn, {math.tau!r})",
-        f"if u{i} < {HOLD_SPEED!r}:",
-        f"    w{i}, g{j} = u{i} * cos(turn) * {per_radius!r}, 0.0",
+        f"u = sqrt(q{i})",
+        f"if u < {HOLD_SPEED!r}:",
+        f"    w{i}, g{j} = u * cos(atan2({across}, {along}) - s{j}) * {per_radius!r}, 0.0",
         "else:",
-        f"    error = (turn if turn > 0.0 else -turn) - {math.pi / 2!r}",
-        f"    if error > g{j} * {HYSTERESIS!r} if g{j} or error * error > {HYSTERESIS**2!r} else together:",
-        f"        turn += {-math.pi!r} if turn > 0.0 else {math.pi!r}",
-        f"        w{i}, g{j} = u{i} * {-per_radius!r}, -1.0",
+        f"    if g{j}:",
+        f"        turn = atan2({across} * g{j}, {along} * g{j}) - s{j}",
+        f"        if not {-far!r} <= turn <= {far!r}:",
+        f"            turn = remainder(turn, {math.tau!r})",
+        f"            if turn > {far!r} or turn < {-far!r}:",
+        f"                turn, g{j} = turn - ({math.pi!r} if turn > 0.0 else {-math.pi!r}), -g{j}",
         "    else:",
-        f"        w{i}, g{j} = u{i} * {per_radius!r}, 1.0",
+        f"        turn, g{j} = remainder(atan2({across}, {along}) - s{j}, {math.tau!r}), 1.0",
+        f"        error = abs(turn) - {math.pi / 2!r}",
+        f"        if error > 0.0 if abs(error) > {HYSTERESIS!r} else together:",
+        f"            turn, g{j} = turn - ({math.pi!r} if turn > 0.0 else {-math.pi!r}), -1.0",
     ]
-    if math.isfinite(rate):
-        lines += [
-            f"    reach = {rate!r} * dt",
-            "    if turn > reach:",
-            f"        w{i} *= cos(turn - reach)",
-            "        turn = reach",
-            "    elif turn < -reach:",
-            f"        w{i} *= cos(turn + reach)",
-            "        turn = -reach",
-        ]
-    return [*lines, f"    s{j} += turn"]
+    if not math.isfinite(rate):
+        return [*lines, f"    w{i} = u * g{j} * {per_radius!r}", f"    s{j} += turn"]
+    return [
+        *lines,
+        f"    reach = {rate!r} * dt",
+        "    if not -reach <= turn <= reach:",
+        "        step = reach if turn > 0.0 else -reach",
+        "        u *= cos(turn - step)",
+        "        turn = step",
+        f"    w{i} = u * g{j} * {per_radius!r}",
+        f"    s{j} += turn",
+    ]
 
 
 def joint(modules: Sequence[tuple[float, float, float, float]]) -> bool:

@@ -6,5 +6,4 @@ HOLD_SPEED = 1e-3  # m/s: a module whose contact is slower keeps its angle
 HYSTERESIS = math.radians(5.0)  # a module changes its mind about driving backwards this far from 90 degrees
 TIGHT = 1e-9
 GOAL = 1.0 - TIGHT  # a saturated wheel runs at this share of its limit, to TIGHT
-TWO_GOALS, FOUR_GOALS = 2.0 * GOAL, 4.0 * GOAL
 SLOW_DOWN_ROUNDS = 6
