@@ -68,7 +68,7 @@ def robot(source: Source) -> Robot:
 
 
 def derived_inertia(mass_kg: float, all_wheels: tuple[WheelSpec, ...]) -> float:
-    """1/2 m R^2 of a disc out to the farthest wheel contact (papers.md E)."""
+    """1/2 m R^2 of a disc out to the farthest wheel contact."""
     return 0.5 * mass_kg * max(math.hypot(wheel.x, wheel.y) for wheel in all_wheels) ** 2
 
 

@@ -114,7 +114,7 @@ def test_the_bench_is_the_benchmark_s_workload():
     assert (len(world.circles), len(world.segments) + len(world.border())) == (12, 8)
 
 
-def test_the_fixed_course_is_the_issue_s():
+def test_the_repaired_course_leaves_out_the_obstacle_on_the_goal():
     world = worlds.load("paper_course")
     assert world.size == (3.0, 5.0)
     assert (world.start[:2], world.goal.pose[:2]) == ((0.5, 0.5), (0.5, 4.5))
@@ -128,7 +128,7 @@ def test_every_physical_number_of_a_world_has_a_source():
             code, _, comment = line.partition("#")
             key, equals, value = (part.strip() for part in code.partition("="))
             if key not in ("schema", "name", "title", "source") and equals and any(c.isdigit() for c in value):
-                sourced = any(word in comment for word in ("paper", "chosen", "assumed", "repaired"))
+                sourced = any(word in comment for word in ("Tuama", "chosen", "assumed", "derived", "repaired"))
                 assert sourced or inside_path, f"{file.name}:{number}: {line}"
             inside_path = (inside_path or (key == "path" and "chosen" in comment)) and code.strip() != "]"
 
