@@ -53,7 +53,10 @@ class Chassis:
         if self.verdict.lost:
             raise ChassisError(f"{'; '.join(self.verdict.lost)}: {self.verdict.cause}. {_ADVICE}")
         self.warnings = _warnings(self.verdict)
-        self.least_squares = _clean(np.linalg.pinv(self.jacobian * self.row_scale[:, None]) * self.row_scale)
+        # with the columns in one unit the inverse loses no more digits than the condition number says
+        column = np.array([1.0, 1.0, 1.0 / self.verdict.length])
+        inverse = np.linalg.pinv(self.jacobian * self.row_scale[:, None] * column) * self.row_scale
+        self.least_squares = _clean(column[:, None] * inverse)
         for array in (self.jacobian, self.least_squares, self.row, self.row_scale):
             array.flags.writeable = False
 
