@@ -1,5 +1,6 @@
 """The `holodrive` command: a group that knows its verbs by a table and imports a verb when it is called."""
 
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -89,6 +90,9 @@ def app(ctx: click.Context, quiet: bool, verbose: bool) -> None:
 
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and give its exit code; nothing that a user can cause leaves as a traceback."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal that cannot show a sign is no reason to fail
     out = Output()
     out.arguments = list(sys.argv[1:] if arguments is None else arguments)
     try:

@@ -35,9 +35,23 @@ def outcome(run: "Run") -> str:
     """How a run ended, with the figures that people ask for first."""
     from holodrive.log.words import with_unit, words
 
-    ended = run.settings.get("ended", "ended")
+    by_hand = not can_be_rerun(run)
+    ended = "ended" if by_hand or not run.metrics.get("arrived") else "arrived"
     parts = [f"{ended} after {with_unit('time_s', run.metrics.get('time_s', float(run.time[-1])))}"]
-    for name in ASKED_FIRST:
+    asked = ASKED_FIRST[:3] if by_hand else ASKED_FIRST  # a goal is no measure of driving by hand
+    for name in asked:
         if name in run.metrics and math.isfinite(run.metrics[name]):
             parts.append(f"{words(name).label} {with_unit(name, run.metrics[name])}")
     return ", ".join(parts)
+
+
+def can_be_rerun(run: "Run") -> bool:
+    """Whether a run was simulated with a controller that has a name."""
+    from holodrive import control
+
+    return "plant" in run.settings and run.settings.get("controller") in control.names()
+
+
+def file_size(count: int) -> str:
+    """`3.2 MB`, `410 kB`."""
+    return f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{max(1.0, count / 1e3):.0f} kB"

@@ -1,6 +1,10 @@
 """Each verb does its job, in words and as JSON, and meets wrong input with one clear line and exit code 2."""
 
 import json
+import signal
+import subprocess
+import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -8,6 +12,7 @@ from typing import Any
 import pytest
 
 import holodrive as hd
+from holodrive.cli import main
 
 Cli = Callable[..., Any]  # see conftest.py
 
@@ -71,7 +76,7 @@ def test_a_new_controller_drives(cli: Cli) -> None:
     scope: dict[str, Any] = {"__name__": "mine"}
     exec(Path("mine.py").read_text(), scope)
     run = hd.drive(hd.simulate("hybrid3", seed=1), controller=scope["Controller"](), goal=(0.1, 0.05, 0.0))
-    assert run.settings["ended"] == "arrived"
+    assert run.ended == "arrived"
 
 
 def test_check_tells_all_faults_of_all_files(cli: Cli) -> None:
@@ -278,3 +283,21 @@ def test_bench_gives_figures(cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
     figures = json.loads(cli("bench", "--json").out)
     assert figures
     assert all(figure["value"] > 0.0 and figure["unit"] for figure in figures)
+
+
+def test_ctrl_c_ends_a_run_well(tmp_path: Path) -> None:
+    """The run stops, its log is closed; what it holds can be computed again."""
+    code = "import sys; from holodrive.cli import main; sys.exit(main(sys.argv[1:]))"
+    words = ["run", "hybrid3", "--goal", "5,5", "--real-time", "-o", str(tmp_path / "run.mcap")]
+    process = subprocess.Popen([sys.executable, "-c", code, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    log = tmp_path / "run.mcap"
+    for _ in range(600):
+        if log.exists() and log.stat().st_size > 20_000:  # some chunks have been written
+            break
+        time.sleep(0.1)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert b"Traceback" not in err
+    assert process.returncode == 130
+    assert len(hd.read(log).time) > 10
+    assert main(["replay", str(log), "--rerun"]) == 0

@@ -11,6 +11,7 @@ import click
 from holodrive.cli.compiling import compiling
 from holodrive.cli.options import seed_option, verb
 from holodrive.cli.output import Output
+from holodrive.cli.words import file_size
 
 if TYPE_CHECKING:
     from holodrive.log.run import Run
@@ -91,7 +92,7 @@ def command(out: Output, folder: str, seed: int) -> None:
     out.text(tables.table(rows).text())
     out.text("")
     out.line("picture", str(place / "demo.svg"))
-    out.line("page", f"{page} ({page.stat().st_size / 1e6:.1f} MB, one file, opens without a network)")
+    out.line("page", f"{page} ({file_size(page.stat().st_size)}, one file, opens without a network)")
     out.line("time", f"{wall:.1f} s for {sum(float(run.time[-1]) for run in runs):.0f} s of driving")
     out.next(f"holodrive replay {runs[0].path} --rerun")
 
@@ -115,7 +116,7 @@ def _drive(out: Output, stage: Stage, place: Path, seed: int) -> "Run":
 
 def _row(stage: Stage, run: "Run") -> dict[str, Any]:
     figures = {name: run.metrics[name] for name in FIGURES if math.isfinite(run.metrics.get(name, math.nan))}
-    return {"robot": stage.robot, "job": stage.job, "ended": run.settings["ended"], **figures}
+    return {"robot": stage.robot, "job": stage.job, "ended": run.ended, **figures}
 
 
 def _write_page(page: Path, runs: "list[Run]", recording: "RecordingSection", rows: list[dict[str, Any]]) -> None:

@@ -6,6 +6,7 @@ import click
 
 from holodrive.cli.options import out_option, verb
 from holodrive.cli.output import Output
+from holodrive.cli.words import file_size
 
 
 @verb("export", ["run.mcap -o run.csv", "run.mcap -o run.parquet"])
@@ -22,5 +23,5 @@ def command(out: Output, log: str, path: str) -> None:
     if out.json:
         out.data(written)
     else:
-        out.line("wrote", f"{path} ({len(run.time)} rows, {size / 1e6:.2f} MB)")
+        out.line("wrote", f"{path} ({len(run.time)} rows, {file_size(size)})")
     out.next(f"holodrive render {log} -o {Path(log).stem}.gif")

@@ -6,6 +6,7 @@ import click
 
 from holodrive.cli.options import out_option, verb
 from holodrive.cli.output import Output
+from holodrive.cli.words import file_size
 
 
 @verb("render", ["run.mcap -o run.gif", "run.mcap -o run.svg"])
@@ -23,5 +24,5 @@ def command(out: Output, log: str, path: str) -> None:
     if out.json:
         out.data(written)
     else:
-        out.line("wrote", f"{path} ({size / 1e6:.2f} MB)")
+        out.line("wrote", f"{path} ({file_size(size)})")
     out.next(f"holodrive export {log} -o {Path(log).stem}.csv")

@@ -10,11 +10,14 @@ from holodrive.cli.compiling import compiling
 from holodrive.cli.options import out_option, verb
 from holodrive.cli.output import Output
 from holodrive.cli.recorded import FIGURES, evaluation_row, section
-from holodrive.cli.words import outcome, robot_line, world_line
+from holodrive.cli.words import can_be_rerun, outcome, robot_line, world_line
 from holodrive.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from holodrive.estimation import Evaluation
+    from holodrive.log.compare import Difference
     from holodrive.log.recording import Recording
     from holodrive.log.run import Run
 
@@ -69,7 +72,8 @@ def _log(out: Output, name: str, rerun: bool, path: str | None) -> int:
             out.line("rerun", f"identical: {len(run.time)} ticks, {len(run.scans)} scans, {len(run.events)} events")
         for difference in differences:
             out.line("rerun", f"differs: {difference['text']}")
-    out.next(f"holodrive render {name} -o {Path(name).stem}.gif" if rerun else f"holodrive replay {name} --rerun")
+    render = f"holodrive render {name} -o {Path(name).stem}.gif"
+    out.next(render if rerun or not can_be_rerun(run) else f"holodrive replay {name} --rerun")
     return 1 if differences else 0
 
 
@@ -98,7 +102,21 @@ def _again(out: Output, run: "Run") -> list[dict[str, Any]]:
                 ready()
             update(done)
 
-        return [asdict(difference) for difference in hd.rerun(run, progress=progress).differences]
+        return [asdict(difference) for difference in _recorded_part(run, hd.rerun(run, progress=progress).differences)]
+
+
+def _recorded_part(run: "Run", differences: "Iterable[Difference]") -> "list[Difference]":
+    """Differences within what was recorded: a run that was stopped or killed ends before its repetition does."""
+    stopped = bool(run.events) and run.events[-1].kind == "stop"
+    if not stopped and run.metrics:
+        return list(differences)
+    end = float(run.time[-1])
+    stop = run.events[-1].time if stopped else end
+    return [
+        difference
+        for difference in differences
+        if difference.first_time <= end and not (difference.channel == "events" and difference.first_time >= stop)
+    ]
 
 
 def _recordings(out: Output, name: str | None, which: str | None, robot: str | None, path: str | None) -> None:

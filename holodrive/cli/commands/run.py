@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from holodrive.cli.compiling import compiling
+from holodrive.cli.faults import INTERRUPTED
 from holodrive.cli.options import (
     out_option,
     plant_option,
@@ -22,7 +23,7 @@ from holodrive.cli.options import (
     world_option,
 )
 from holodrive.cli.output import Output
-from holodrive.cli.words import outcome, robot_line, world_line
+from holodrive.cli.words import can_be_rerun, file_size, outcome, robot_line, world_line
 from holodrive.errors import InputError
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ KEYS_DURATION_S = 3600.0
 @set_option
 @click.option("--report", "report_path", type=click.Path(), help="Write a one-file HTML report.")
 @out_option("Write a log (MCAP).")
-def command(out: Output, **options: Any) -> None:
+def command(out: Output, **options: Any) -> int:
     """Drive ROBOT (a name or a file) in a world and say how it went."""
     import holodrive as hd
 
@@ -80,6 +81,7 @@ def command(out: Output, **options: Any) -> None:
     if options["report_path"]:
         hd.report(run).save(options["report_path"])
     _say(out, run, factor, options)
+    return INTERRUPTED if run.settings["ended"] == "interrupted" else 0
 
 
 class Clock:
@@ -182,8 +184,9 @@ def _say(out: Output, run: "Run", factor: float, options: dict[str, Any]) -> Non
         out.line("run", f"{kind}: {simulated:.2f} s simulated{speed}")
         out.line("result", outcome(run))
         if path:
-            out.line("log", f"{path} ({Path(path).stat().st_size / 1e6:.1f} MB, id {run.settings['id']})")
+            out.line("log", f"{path} ({file_size(Path(path).stat().st_size)}, id {run.settings['id']})")
         if report:
             out.line("report", report)
     again = shlex.join(["holodrive", *out.arguments, "-o", "run.mcap"])
-    out.next(f"holodrive replay {path} --rerun" if path else again)
+    look = f"holodrive replay {path}{' --rerun' if can_be_rerun(run) else ''}"
+    out.next(look if path else again)
