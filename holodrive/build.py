@@ -130,14 +130,13 @@ def drive(
         sinks: tuple[Sink, ...] = (builder, recorder) if recorder else (builder,)
         loop = Loop(base, driver, believer, references.ReferenceFollower(table), sinks)
         loop.reset(start)
-        ending = loop.run(
-            length, stop_on_arrival=stop_on_arrival, pace=RealTime() if real_time else None, progress=progress
-        )
+        loop.run(length, stop_on_arrival=stop_on_arrival, pace=RealTime() if real_time else None, progress=progress)
         run = builder.build()
         values = builder.metrics(getattr(base, "energy_j", math.nan))
         if recorder:
             recorder.close(values)
-        return replace(run, metrics=values, settings={**settings, "ended": ending.why}, path=Path(log) if log else None)
+        damage = f"the log is not whole: {recorder.fault}" if recorder and recorder.fault else ""
+        return replace(run, metrics=values, damage=damage, path=Path(log) if log else None)
     finally:
         if recorder:
             recorder.close()

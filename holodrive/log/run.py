@@ -73,6 +73,13 @@ class Run:
     path: Path | None = None
     damage: str = ""
 
+    @property
+    def ended(self) -> str:
+        """Why it ended: "arrived", "fault" (the gate refused a command), "interrupted" or "duration"."""
+        kinds = {event.kind for event in self.events}
+        reasons = {"gate": "fault", "arrived": "arrived", "stop": "interrupted"}
+        return next((reasons[kind] for kind in reasons if kind in kinds), "duration")
+
     def _repr_html_(self) -> str:
         """For notebooks: the metrics and the path over the world."""
         from holodrive.log.drawing import notebook

@@ -32,7 +32,7 @@ def test_a_catalog_robot_drives_to_a_goal_sideways_and_turned_and_stays_within_i
     robot = hd.load(name)
     goal = np.array([0.5 * reach(robot), -reach(robot), 0.6])
     run = hd.drive(hd.simulate(robot, OPEN, plant=plant, seed=1), goal=goal, duration_s=60.0)
-    assert run.settings["ended"] == "arrived"
+    assert run.ended == "arrived"
     assert math.hypot(*(run.estimate[-1, :2] - goal[:2])) < 0.03
     assert math.hypot(*(run.pose[-1, :2] - goal[:2])) < 0.06
     limits = np.array([wheel.max_speed_rad_s for wheel in robot.wheels])
