@@ -17,7 +17,7 @@ MARGIN = 1e-9  # m: how far outside the surface a robot is put
 REARM = 0.25  # s without touch after which the same obstacle counts again
 STANDING = 0.01  # m/s: what is slower than this stands still
 _SLOTS = 4
-_ROUNDS = 4
+_ROUNDS = 32  # between a wall and a post each push shortens the way into the other by a factor
 
 
 @njit(cache=True, error_model="numpy")

@@ -186,5 +186,6 @@ def spin(model, state, table, voltage, n, vx, vy, omega):  # type: ignore[no-unt
         state[st.WHEEL_SPEED + i], state[st.CURRENT + i] = speed, current
         state[st.WHEEL_ANGLE + i] += speed * dt
         drawn += state[st.DUTY + i] * current
-    state[st.CHARGE] += drawn * dt
-    state[st.ENERGY] += voltage * drawn * dt
+    # what braking gives back is burnt, not stored
+    state[st.CHARGE] += max(drawn, 0.0) * dt
+    state[st.ENERGY] += max(drawn, 0.0) * voltage * dt
