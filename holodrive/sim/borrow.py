@@ -2,12 +2,13 @@
 
 from typing import Any
 
-from numba.core import cgutils
+from numba.core import cgutils as _cgutils
 from numba.extending import intrinsic
 
+cgutils: Any = _cgutils  # Numba's code generation has no types
 
-@intrinsic
-def borrowed(_context: Any, array: Any) -> Any:
+
+def _borrowed(_context: Any, array: Any) -> Any:
     """The same array, not counted: whoever calls must hold the array for as long as the result is in use.
 
     Numba counts references to arrays with atomic instructions, some sixty times a control tick here. That took a
@@ -21,3 +22,6 @@ def borrowed(_context: Any, array: Any) -> Any:
         return proxy._getvalue()
 
     return array(array), code
+
+
+borrowed: Any = intrinsic(_borrowed)

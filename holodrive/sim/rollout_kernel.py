@@ -6,6 +6,7 @@ Robots know nothing of one another: any cut into chunks, on any number of thread
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import float64, int64, njit, types, uint64, void
@@ -28,7 +29,29 @@ LOG_TIME, LOG_POSE, LOG_ESTIMATE, LOG_REFERENCE, LOG_TWIST, LOG_WHEELS = 0, 1, 4
 
 
 VECTOR, TABLE, CUBE = float64[::1], float64[:, ::1], float64[:, :, ::1]
-PLUG = types.FunctionType(void(VECTOR, VECTOR, VECTOR, VECTOR))
+PLUG: Any = types.FunctionType(void(VECTOR, VECTOR, VECTOR, VECTOR))
+_UNI_TUPLE: Any = types.UniTuple
+SWITCHES = _UNI_TUPLE(int64, 7)
+SIGNATURE: Any = void(
+    PLUG,  # controller
+    PLUG,  # estimator
+    SWITCHES,  # estimate is truth, plant, command, reference kind, ticks, stop on arrival, log every
+    VECTOR,  # model of the robot
+    VECTOR,  # obstacles
+    VECTOR,  # kinematics
+    int64[::1],  # robots to run
+    TABLE,  # (n, 3) starts
+    uint64[::1],  # (n,) keys of the random streams
+    TABLE,  # (n, p) controller parameters
+    VECTOR,  # estimator parameters
+    int64[::1],  # sizes of memory: controller, estimator, pipeline
+    TABLE,  # rows of all references
+    types.Array(int64, 2, "C"),  # (n, 2) first row, end
+    CUBE,  # (n, T, k) log
+    TABLE,  # (n, metrics.SIZE)
+    CUBE,  # (n, E, st.EVENT_SIZE) events
+    TABLE,  # (n, st.SIZE) final states
+)
 
 
 @njit(cache=True, error_model="numpy")
@@ -124,33 +147,7 @@ def run_robot(  # type: ignore[no-untyped-def]
     metrics.finish(acc)
 
 
-@njit(
-    void(
-        PLUG,  # controller
-        PLUG,  # estimator
-        types.UniTuple(
-            int64, 7
-        ),  # estimate is truth, plant, command, reference kind, ticks, stop on arrival, log every
-        VECTOR,  # model of the robot
-        VECTOR,  # obstacles
-        VECTOR,  # kinematics
-        int64[::1],  # robots to run
-        TABLE,  # (n, 3) starts
-        uint64[::1],  # (n,) keys of the random streams
-        TABLE,  # (n, p) controller parameters
-        VECTOR,  # estimator parameters
-        int64[::1],  # sizes of memory: controller, estimator, pipeline
-        TABLE,  # rows of all references
-        types.Array(int64, 2, "C"),  # (n, 2) first row, end
-        CUBE,  # (n, T, k) log
-        TABLE,  # (n, metrics.SIZE)
-        CUBE,  # (n, E, st.EVENT_SIZE) events
-        TABLE,  # (n, st.SIZE) final states
-    ),
-    cache=True,
-    nogil=True,
-    error_model="numpy",
-)
+@njit(SIGNATURE, cache=True, nogil=True, error_model="numpy")
 def run_robots(  # type: ignore[no-untyped-def]
     controller, estimator, switches, model, obstacles, kin, robots, starts, keys, params, estimator_params,
     memory_sizes, reference_rows, reference_bounds, log, accs, event_tables, states,

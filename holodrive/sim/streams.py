@@ -22,8 +22,8 @@ _LOW = np.uint64(0xFFFF)
 # Four uniforms of 16 bit: mean of the sum and 1 / its standard deviation, sqrt(4 (2^32 - 1) / 12).
 _MEAN = 2.0 * 65535.0
 _SCALE = math.sqrt(3.0 / (2.0**32 - 1.0))
-# Their sum has a kurtosis of 2.7; z + c (z^3 - 3 z) with this c has 3 exactly (moments of the sum: 2.7, 153/14, 55.8 ...)
-# and the variance 1 / _UNIT^2.
+# Their sum has a kurtosis of 2.7; z + c (z^3 - 3 z) with this c has 3 exactly (the sum's next
+# moments are 153/14, 55.8 ...) and the variance 1 / _UNIT^2.
 _TAIL = 0.018549499722796705
 _UNIT = 1.0049600395825111
 
