@@ -28,6 +28,7 @@ def world_line(world: "World | None") -> str:
     return f"{world.name}   {size}, {count} obstacle{'s' * (count != 1)}"
 
 
+ENDED = {"duration": "not arrived", "fault": "stopped by a fault"}
 ASKED_FIRST = ("path_length_m", "min_clearance_m", "collisions", "final_error_m", "final_heading_error_rad")
 
 
@@ -36,7 +37,7 @@ def outcome(run: "Run") -> str:
     from holodrive.log.words import with_unit, words
 
     by_hand = not can_be_rerun(run)
-    ended = "ended" if by_hand or not run.metrics.get("arrived") else "arrived"
+    ended = ENDED.get(run.ended, run.ended) if not by_hand else "ended"
     parts = [f"{ended} after {with_unit('time_s', run.metrics.get('time_s', float(run.time[-1])))}"]
     asked = ASKED_FIRST[:3] if by_hand else ASKED_FIRST  # a goal is no measure of driving by hand
     for name in asked:

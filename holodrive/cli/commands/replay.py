@@ -57,6 +57,8 @@ def _log(out: Output, name: str, rerun: bool, path: str | None) -> int:
     import holodrive as hd
 
     run = hd.read(name)
+    if run.damage:
+        out.warn(run.damage)
     differences = _again(out, run) if rerun else []
     if path:
         hd.report(run).save(path) if path.endswith(".html") else hd.render(run, path)
@@ -107,7 +109,7 @@ def _again(out: Output, run: "Run") -> list[dict[str, Any]]:
 
 def _recorded_part(run: "Run", differences: "Iterable[Difference]") -> "list[Difference]":
     """Differences within what was recorded: a run that was stopped or killed ends before its repetition does."""
-    stopped = bool(run.events) and run.events[-1].kind == "stop"
+    stopped = run.ended == "interrupted"
     if not stopped and run.metrics:
         return list(differences)
     end = float(run.time[-1])

@@ -77,11 +77,13 @@ def command(out: Output, **options: Any) -> int:
     clock = Clock()
     run = _by_keys(out, base, options) if options["keys"] else _by_controller(out, base, params, options, clock)
     factor = clock.factor(float(run.time[-1]))
+    if run.damage:
+        out.warn(run.damage)
     run.settings["command"] = shlex.join(["holodrive", *out.arguments])
     if options["report_path"]:
         hd.report(run).save(options["report_path"])
     _say(out, run, factor, options)
-    return INTERRUPTED if run.settings["ended"] == "interrupted" else 0
+    return INTERRUPTED if run.ended == "interrupted" else 0
 
 
 class Clock:
