@@ -8,7 +8,7 @@ PYTEST_WORKERS ?= -n auto --maxprocesses 4 # two cores: 73 s instead of 110 s
 unexport PYTHONPATH PYTHONHOME
 
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-dev demo test lint bench campaign lock clean
+.PHONY: help setup setup-dev setup-bench demo test lint bench campaign lock clean
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-10s %s\n", $$1, $$2 }' Makefile
@@ -17,9 +17,9 @@ setup: ## make or mend .venv, enough to use holodrive
 	@$(if $(PYTHON),,echo "set-up: no python3 found; holodrive needs Python 3.11 or newer: sudo apt install python3 python3-venv" >&2; exit 2)
 	@$(PYTHON) tools/setup_venv.py core
 
-setup-dev:
+setup-dev setup-bench:
 	@$(if $(PYTHON),,echo "set-up: no python3 found; holodrive needs Python 3.11 or newer: sudo apt install python3 python3-venv" >&2; exit 2)
-	@$(PYTHON) tools/setup_venv.py dev
+	@$(PYTHON) tools/setup_venv.py $(@:setup-%=%)
 
 demo: setup ## drive three robots, replay a recorded one, write out/demo/demo.html
 	@$(BIN)/holodrive demo
@@ -31,7 +31,7 @@ lint: setup-dev ## style, types and import layers
 	@status=0; for check in "ruff check ." "ruff format --check ." mypy lint-imports; do \
 		$(BIN)/$$check || status=1; done; exit $$status
 
-bench: setup-dev ## measure what the README claims
+bench: setup-bench ## measure what the README claims, against other programs
 	@for script in benchmarks/[!_]*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
 
 campaign: setup-dev ## the slow tests: more seeds, more robots
@@ -40,6 +40,7 @@ campaign: setup-dev ## the slow tests: more seeds, more robots
 lock: ## renew requirements*.lock from pyproject.toml (needs uv)
 	@uv pip compile pyproject.toml --group build -o requirements.lock $(LOCK_ARGS)
 	@uv pip compile pyproject.toml --group dev -c requirements.lock -o requirements-dev.lock $(LOCK_ARGS)
+	@uv pip compile pyproject.toml --group bench -c requirements-dev.lock -o requirements-bench.lock $(LOCK_ARGS)
 
 LOCK_ARGS := -q --upgrade --universal --python-version 3.11 --generate-hashes --no-annotate --no-header --no-emit-index-url
 

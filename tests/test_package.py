@@ -13,6 +13,7 @@ import pytest
 import holodrive as hd
 
 ROOT = Path(__file__).parents[1]
+LOCKS = ("requirements.lock", "requirements-dev.lock", "requirements-bench.lock")
 HEAVY = ("numpy", "numba", "scipy", "pydantic", "PIL", "rich", "click", "pyarrow", "mcap")
 
 
@@ -58,7 +59,7 @@ def test_every_package_says_what_it_exports(path: Path) -> None:
 
 def test_lock_files_hold_hashes_and_no_address() -> None:
     """Every pinned package has a hash; nothing names a place on the net."""
-    for name in ("requirements.lock", "requirements-dev.lock"):
+    for name in LOCKS:
         text = (ROOT / name).read_text()
         assert "://" not in text
         assert "--index" not in text
@@ -67,13 +68,13 @@ def test_lock_files_hold_hashes_and_no_address() -> None:
         assert all("==" in block and "--hash=sha256:" in block for block in blocks)
 
 
-def test_the_dev_lock_agrees_with_the_core_lock() -> None:
-    """What the tests run with is what users run with."""
-    core, dev = (
+def test_the_locks_agree() -> None:
+    """What the tests and benchmarks run with is what users run with."""
+    core, dev, bench = (
         {line.split(" \\")[0] for line in (ROOT / name).read_text().splitlines() if line and line[0].isalnum()}
-        for name in ("requirements.lock", "requirements-dev.lock")
+        for name in LOCKS
     )
-    assert core <= dev
+    assert core <= dev <= bench
 
 
 def test_all_declared_dependencies_are_locked() -> None:

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Make or mend the `.venv` of this checkout: pinned, hashed packages and holodrive itself, editable.
 
-Usage: python3 tools/setup_venv.py [core|dev]
+Usage: python3 tools/setup_venv.py [core|dev|bench]
 
 Standard library only, and readable by Python 3.6, so that an old Python can say that it is too old.
 Exit codes: 0 ready, 1 the installation failed, 2 this machine lacks something, 130 interrupted.
@@ -27,7 +27,9 @@ VENV = os.path.join(ROOT, ".venv")
 VENV_PYTHON = os.path.join(VENV, "bin", "python")
 STAMP = os.path.join(VENV, "holodrive-setup.json")  # written last: it means "whole"
 BUILDING = os.path.join(VENV, "holodrive-setup.building")  # here while we work: it means "half made"
-LOCKS = {"core": "requirements.lock", "dev": "requirements-dev.lock"}
+# each holds what the ones before it hold
+LOCKS = {"core": "requirements.lock", "dev": "requirements-dev.lock", "bench": "requirements-bench.lock"}
+LEVELS = list(LOCKS)
 OLDEST = (3, 11)
 NEWEST = (3, 13)  # the newest that the locks are tested with
 # What a Python must bring, told in one line that this script reads back.
@@ -53,7 +55,7 @@ def main(arguments):
     """Set up what `arguments` ask for; give the exit code."""
     level = arguments[0] if arguments else "core"
     if level not in LOCKS or len(arguments) > 1:
-        print("usage: setup_venv.py [core|dev]", file=sys.stderr)
+        print("usage: setup_venv.py [core|dev|bench]", file=sys.stderr)
         return 2
     signal.signal(signal.SIGTERM, _as_interrupt)
     try:
@@ -75,8 +77,9 @@ def is_ready(level):
     """Whether `.venv` is whole, made for this place, this Python and these locks."""
     stamp = read_stamp()
     return (
-        stamp.get("key") == key(stamp.get("level", ""))
-        and (stamp.get("level") == "dev" or level == "core")
+        stamp.get("level") in LEVELS
+        and stamp.get("key") == key(stamp["level"])
+        and LEVELS.index(stamp["level"]) >= LEVELS.index(level)
         and not os.path.exists(BUILDING)
         and os.path.realpath(VENV_PYTHON) == stamp.get("python")
         and os.path.exists(VENV_PYTHON)
@@ -116,8 +119,9 @@ def set_up(level):
                 fcntl.flock(lock, fcntl.LOCK_EX)
                 if is_ready(level):
                     return
-        if read_stamp().get("level") == "dev":
-            level = "dev"  # once set up for tests, keep it so
+        had = read_stamp().get("level")
+        if had in LEVELS and LEVELS.index(had) > LEVELS.index(level):
+            level = had  # once set up for tests, keep it so
         make_venv(start)
         install(level, start)
     say(start, "ready")

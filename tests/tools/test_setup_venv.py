@@ -24,7 +24,7 @@ SCRIPT = Path(__file__).parents[2] / "tools" / "setup_venv.py"
 def setup(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     """The script as a module that works in an empty checkout, with an empty PATH and no Python."""
     (tmp_path / "tools").mkdir()
-    for name in ("requirements.lock", "requirements-dev.lock", "pyproject.toml", "tools/setup_venv.py"):
+    for name in (*(path.name for path in SCRIPT.parents[1].glob("*.lock")), "pyproject.toml", "tools/setup_venv.py"):
         (tmp_path / name).write_text((SCRIPT.parents[1] / name).read_text())
     spec = importlib.util.spec_from_file_location("setup_venv", tmp_path / "tools" / "setup_venv.py")
     assert spec is not None
