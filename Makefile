@@ -32,7 +32,8 @@ lint: setup-dev ## style, types and import layers
 		$(BIN)/$$check || status=1; done; exit $$status
 
 bench: setup-bench ## measure what the README claims, against other programs
-	@for script in benchmarks/[!_]*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
+	@status=0; for script in benchmarks/[!_]*.py; do echo "== $$script"; \
+		$(BIN)/python $$script || status=1; done; exit $$status
 
 campaign: setup-dev ## the slow tests: more seeds, more robots
 	@$(BIN)/python -m pytest $(PYTEST_WORKERS) -m campaign --hypothesis-profile=campaign $(PYTEST_ARGS)
