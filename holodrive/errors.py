@@ -44,7 +44,7 @@ class UnknownName(InputError):
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         self.kind, self.name, self.known = kind, name, sorted(known)
-        super().__init__(f"no {kind} called {name!r}{did_you_mean(name, self.known)}; known: {', '.join(self.known)}")
+        super().__init__(f"no {kind} called {name!r}{with_known(name, self.known)}")
 
 
 class MissingExtra(InputError):
@@ -83,3 +83,9 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     """`". Did you mean 'x'?"` when a known name is near, else nothing."""
     near = get_close_matches(name.lower(), list(known), n=1, cutoff=0.6)
     return f". Did you mean {near[0]!r}?" if near else ""
+
+
+def with_known(name: str, known: Iterable[str]) -> str:
+    """`". Did you mean 'x'? Known: x, y"`, or `"; known: x, y"` when nothing is near."""
+    names, hint = ", ".join(known), did_you_mean(name, known)
+    return f"{hint} Known: {names}" if hint else f"; known: {names}"

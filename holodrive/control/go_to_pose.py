@@ -51,7 +51,7 @@ def wrap(angle):  # type: ignore[no-untyped-def]
 
 @dataclass(frozen=True)
 class GoToPose:
-    """Go to the reference pose, and along with it while it moves (papers.md C4; third paper).
+    """Go to the reference pose, and along with it while it moves (the law of the third paper, which gives no gains).
 
     Attributes:
         k_xy, k_theta: gains [1/s].

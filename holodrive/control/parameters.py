@@ -4,7 +4,7 @@ import math
 from dataclasses import fields
 from typing import Any, get_args, get_type_hints
 
-from holodrive.errors import InputError, did_you_mean
+from holodrive.errors import InputError, did_you_mean, with_known
 from holodrive.robots.spec import Robot
 
 
@@ -42,8 +42,7 @@ def made(kind: str, cls: Any, params: dict[str, Any]) -> Any:
     values: dict[str, Any] = {}
     for name, value in params.items():
         if name not in known:
-            hint = did_you_mean(name, known)
-            raise InputError(f"{kind} has no parameter {name!r}{hint}; known: {', '.join(known)}")
+            raise InputError(f"{kind} has no parameter {name!r}{with_known(name, known)}")
         values[name] = _number(value)
     return cls(**values)
 

@@ -1,7 +1,7 @@
 """Judging a chassis: can it move in all three ways, how evenly, and if not, which motion is lost and why.
 
 Each wheel row is a line on the ground through the contact along the push axis; three independent motions exist
-exactly when the lines are neither all parallel nor all through one point (papers.md part D).
+exactly when the lines are neither all parallel nor all through one point.
 """
 
 import math

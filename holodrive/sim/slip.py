@@ -1,4 +1,4 @@
-"""The plant with wheel-ground slip: a rigid body, gearmotors, a battery, and friction that saturates (papers.md E).
+"""The plant with wheel-ground slip: a rigid body, gearmotors, a battery, and friction that saturates.
 
 At each contact the tyre slides over the ground with velocity (s, q) along the direction of traction a and along the
 direction f in which a roller runs free, f square to a:

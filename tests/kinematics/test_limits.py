@@ -98,7 +98,7 @@ def test_sections_hold_exactly_the_possible_translations(chassis_of_seed, seed, 
 
 
 def test_the_hybrid_at_22_rpm_is_as_fast_as_computed_from_the_paper(bases):
-    """papers.md A2: vx .0860, vy .1175, slowest .0831 at 15 deg, fastest .1293 at 245 deg, turn .511 rad/s."""
+    """22 RPM through eq. 16 of the first paper: slowest at 15 deg, fastest at 245 deg."""
     chassis = bases["hybrid3"]
     assert float(chassis.max_speed(0.0)) == pytest.approx(0.0860, abs=1e-4)
     assert float(chassis.max_speed(math.pi / 2)) == pytest.approx(0.1175, abs=1e-4)

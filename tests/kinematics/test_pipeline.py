@@ -64,7 +64,7 @@ def test_a_straight_line_stays_straight_while_spinning_at_any_saturation(
 @pytest.mark.parametrize(("omega", "dt"), [(6.0, 0.02), (12.0, 0.02), (6.0, 0.05)])
 def test_the_peers_recipe_leaves_the_line_and_ours_does_not(bases, omega, dt):
     """Swerve on a 0.6 m square, 4 m/s wheels, 4 m/s ahead while spinning: discretise-then-desaturate is off by
-    centimetres (motion.md finding 3: 56, 119 and 141 mm)."""
+    centimetres (56, 119 and 141 mm in the three cases)."""
     chassis = bases["swerve4"]
     poses, _ = drive_straight(chassis, (4.0, 0.0), omega, dt, round(1.0 / dt))
     assert off_the_line(poses, (1.0, 0.0)) < 1e-9

@@ -1,4 +1,4 @@
-"""The plant with slip: laws of mechanics, and the checks that came with its equations (papers.md E)."""
+"""The plant with slip: laws of mechanics, and the checks that came with its equations."""
 
 import math
 from dataclasses import replace
