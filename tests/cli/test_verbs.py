@@ -54,6 +54,14 @@ def test_a_new_file_is_right_from_the_start(cli: Cli, kind: str) -> None:
     assert "my_thing" in answer.out
 
 
+@pytest.mark.parametrize("kind", ["robot", "world"])
+def test_new_writes_the_schema_for_editors(cli: Cli, kind: str) -> None:
+    """By the name that the file's first line gives."""
+    assert cli("new", kind, "mine", "--schema").code == 0
+    name = Path("mine.toml").read_text().splitlines()[0].removeprefix("#:schema ")
+    assert json.loads(Path(name).read_text())["type"] == "object"
+
+
 def test_new_does_not_write_over_a_file(cli: Cli) -> None:
     """Unless told so."""
     Path("mine.toml").write_text("precious")

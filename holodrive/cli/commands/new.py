@@ -1,6 +1,8 @@
 """`holodrive new`."""
 
+import json
 import keyword
+from importlib import import_module
 from pathlib import Path
 
 import click
@@ -14,8 +16,9 @@ from holodrive.errors import InputError
 @click.argument("kind", type=click.Choice(["robot", "world", "controller"]))
 @click.argument("name")
 @out_option("File to write; NAME.toml or NAME.py when not given.")
+@click.option("--schema", is_flag=True, help="Also write the JSON Schema beside it: editors then complete and check.")
 @click.option("--force", is_flag=True, help="Write over a file that is there.")
-def command(out: Output, kind: str, name: str, path: str | None, force: bool) -> None:
+def command(out: Output, kind: str, name: str, path: str | None, schema: bool, force: bool) -> None:
     """Write a commented start for a robot, a world or a controller called NAME."""
     if not name.isidentifier() or keyword.iskeyword(name):
         raise InputError(f"{name!r} is no good name: use letters, digits and _, such as my_{kind}")
@@ -24,15 +27,20 @@ def command(out: Output, kind: str, name: str, path: str | None, force: bool) ->
         raise InputError(f"{target} is there already; --force writes over it, -o FILE writes elsewhere")
     target.parent.mkdir(parents=True, exist_ok=True)
     target.write_text(_text(kind, name), encoding="utf-8")
+    written = [str(target)]
+    if schema and kind != "controller":
+        beside = target.with_name(f"{kind}.schema.json")
+        beside.write_text(json.dumps(import_module(f"holodrive.{kind}s").schema(), indent=2), encoding="utf-8")
+        written.append(str(beside))
     after = {
         "robot": f"holodrive check {target}",
         "world": f"holodrive check {target}",
         "controller": f"python {target}",
     }
     if out.json:
-        out.data({"kind": kind, "name": name, "file": str(target), "next": after[kind]})
+        out.data({"kind": kind, "name": name, "files": written, "next": after[kind]})
         return
-    out.line("wrote", str(target))
+    out.line("wrote", ", ".join(written))
     out.next(after[kind])
 
 
