@@ -16,6 +16,7 @@ from holodrive.sim.slip import slip_period
 from holodrive.types import Array
 
 FIRST_ORDER, SLIP = 0, 1  # plants
+_DEAD = 1e-200
 PLANTS = {"first_order": FIRST_ORDER, "slip": SLIP}
 
 
@@ -81,8 +82,19 @@ def advance(plant, model, obstacles, state, events, key, ranges, pending):  # ty
         first_order_period(model, obstacles, state, events)
     else:
         slip_period(model, obstacles, state, events)
+    flush(state, st.TWIST, 3)
+    flush(state, st.WHEEL_SPEED, int(model[md.N]))
+    flush(state, st.CURRENT, int(model[md.N]))
     state[st.TICK] += 1.0
     sense(model, obstacles, state, key, ranges, pending)
+
+
+@njit(cache=True, error_model="numpy")
+def flush(state, first, count):  # type: ignore[no-untyped-def]
+    """Make zero of what has died away: numbers below 1e-308 cost a hundred times the time of others."""
+    for i in range(first, first + count):
+        if abs(state[i]) < _DEAD:
+            state[i] = 0.0
 
 
 @njit(cache=True, error_model="numpy")

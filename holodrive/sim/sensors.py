@@ -46,7 +46,9 @@ def read_encoders(model, state):  # type: ignore[no-untyped-def]
         count = np.floor(state[st.WHEEL_ANGLE + i] * model[w + md.COUNTS])
         if moved:
             speed = (count - state[st.COUNT + i]) * model[w + md.COUNT_SPEED]
-            state[st.MEASURED + i] += share * (speed - state[st.MEASURED + i])
+            speed = state[st.MEASURED + i] + share * (speed - state[st.MEASURED + i])
+            # a filter of a standing wheel dies away into numbers that cost a hundred times the time of others
+            state[st.MEASURED + i] = 0.0 if abs(speed) < 1e-200 else speed
         state[st.COUNT + i] = count
 
 
