@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from holodrive.cli import main
-from holodrive.cli.app import VERBS
+from holodrive.cli.verbs import VERBS
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), ROOT / "CHANGELOG.md"]

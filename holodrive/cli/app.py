@@ -9,34 +9,8 @@ from importlib import import_module
 import click
 
 from holodrive import __version__
-from holodrive.cli.faults import report_fault
 from holodrive.cli.output import Output
-from holodrive.errors import did_you_mean
-
-# verb -> what it does; the module is holodrive.cli.commands.<verb>
-VERBS = {
-    "demo": "drive three robots, replay a recorded one, write a page",
-    "run": "drive one robot in one world",
-    "compare": "controllers or recorded runs side by side",
-    "replay": "look at a log or a recording of a real robot again",
-    "render": "a run as GIF, PNG, SVG or HTML",
-    "export": "a run as CSV or Parquet",
-    "kinematics": "Jacobian, rank, condition and top speeds of a base",
-    "list": "robots, worlds, controllers, motors, sensors that there are",
-    "new": "a commented start for a robot, world or controller",
-    "check": "look for faults in robot and world files",
-    "bench": "how fast it is on this machine",
-    "doctor": "whether this machine has all it takes",
-    "completion": "tab completion for your shell",
-    "version": "the version, and those of what it stands on",
-}
-
-EPILOG = """\b
-Start with:
-  holodrive demo
-  holodrive run hybrid3 -w paper_course -o run.mcap
-  holodrive VERB --help
-"""
+from holodrive.cli.verbs import HELP, VERBS
 
 
 class VerbGroup(click.Group):
@@ -59,29 +33,24 @@ class VerbGroup(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """The verb that is called, or an error that names the nearest one."""
         if args and args[0] not in VERBS:
+            from holodrive.errors import did_you_mean
+
             hint = did_you_mean(args[0], VERBS)
             raise click.UsageError(f"no verb called {args[0]!r}{hint or ' (holodrive --help lists them)'}", ctx)
         return super().resolve_command(ctx, args)
 
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """The table of verbs, without importing any of them."""
-        with formatter.section("Verbs"):
-            formatter.write_dl(list(VERBS.items()))
+    def get_help(self, ctx: click.Context) -> str:
+        """The help of the table, without importing any verb."""
+        return HELP.rstrip("\n")
 
 
-@click.group(
-    cls=VerbGroup, epilog=EPILOG, context_settings={"help_option_names": ["-h", "--help"]}, invoke_without_command=True
-)
+@click.group(cls=VerbGroup, context_settings={"help_option_names": ["-h", "--help"]}, invoke_without_command=True)
 @click.version_option(__version__, "--version", message="holodrive %(version)s")
 @click.option("-q", "--quiet", is_flag=True, help="No progress and no hints.")
 @click.option("-v", "--verbose", is_flag=True, help="Say more; show the trace of an error.")
 @click.pass_context
 def app(ctx: click.Context, quiet: bool, verbose: bool) -> None:
-    """Describe, simulate, drive, record and replay omnidirectional robots.
-
-    Results go to standard output, progress and hints to standard error.
-    Exit codes: 0 ok, 1 failed check, 2 wrong input, 3 hardware fault, 130 Ctrl-C.
-    """
+    """The options before the verb; alone, the help."""
     ctx.obj = ctx.ensure_object(Output)
     ctx.obj.set(quiet=quiet, verbose=verbose)
     if ctx.invoked_subcommand is None:
@@ -107,5 +76,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
     except (Exception, KeyboardInterrupt) as error:
+        from holodrive.cli.faults import report_fault
+
         return report_fault(error, out)
     return result if isinstance(result, int) else 0

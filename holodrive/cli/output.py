@@ -1,10 +1,8 @@
 """Where a command's words go: results to standard output, progress and hints to standard error."""
 
-import json
 import math
 import os
 import re
-import shutil
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -42,6 +40,8 @@ class Output:
 
     def data(self, value: Mapping[str, Any] | Sequence[Any]) -> None:
         """The result for machines: one JSON document; what is not a number becomes null."""
+        import json
+
         click.echo(json.dumps(plain(value), indent=2, ensure_ascii=False))
 
     def note(self, text: str) -> None:
@@ -80,6 +80,8 @@ def table(header: Sequence[str], rows: Sequence[Sequence[object]], left: int = 1
 
 def program() -> str:
     """How this user can call holodrive from here: by name, or by path when it is not on PATH."""
+    import shutil
+
     called = sys.argv[0]
     if os.path.basename(called) != "holodrive" or shutil.which("holodrive"):
         return "holodrive"

@@ -12,10 +12,11 @@ from typing import Any
 import click
 import pytest
 
-from holodrive.cli.app import VERBS, app
+from holodrive.cli.app import app
 from holodrive.cli.faults import report_fault
 from holodrive.cli.options import pose_of, split_settings
 from holodrive.cli.output import Output, plain, table
+from holodrive.cli.verbs import VERBS
 from holodrive.errors import HardwareFault, InputError
 
 Cli = Callable[..., Any]  # see conftest.py
@@ -25,7 +26,7 @@ def test_help_imports_nothing_that_a_verb_needs() -> None:
     """Help comes at once: neither NumPy, Numba, rich nor any verb's module is loaded."""
     code = (
         "import sys; from holodrive.cli import main; main(['--help'])\n"
-        "heavy = [name for name in ('numpy', 'numba', 'rich', 'pydantic', 'scipy') if name in sys.modules]\n"
+        "heavy = [name for name in ('click', 'numpy', 'numba', 'rich', 'pydantic', 'scipy') if name in sys.modules]\n"
         "print('LOADED', heavy + [name for name in sys.modules if 'cli.commands' in name])"
     )
     assert "LOADED []" in subprocess.check_output([sys.executable, "-c", code], text=True)
@@ -36,6 +37,11 @@ def test_no_word_is_help(cli: Cli) -> None:
     answer = cli()
     assert answer.code == 0
     assert all(verb in answer.out for verb in VERBS)
+
+
+def test_help_is_the_same_by_the_short_way_and_by_click(cli: Cli) -> None:
+    """One text, whether it is asked for alone or with another option."""
+    assert cli("--help").out == cli("-h").out == cli("-v", "--help").out == cli("-q").out
 
 
 @pytest.mark.parametrize("verb", VERBS)
