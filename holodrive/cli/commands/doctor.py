@@ -38,7 +38,7 @@ def command(out: Output) -> int:
     else:
         for name, verdict, text in checks:
             mark = click.style(f"{verdict:<5}", fg={"ok": "green", "note": "yellow", "bad": "red"}[verdict])
-            click.echo(f"{mark}{name:<10}{text}", color=colour())
+            click.echo(f"{mark}{name:<12}{text}", color=colour())
     bad = [check.name for check in checks if check.verdict == "bad"]
     out.next(f"mend {', '.join(bad)}, then holodrive doctor" if bad else "holodrive demo")
     return 1 if bad else 0
@@ -121,7 +121,7 @@ def disk() -> Check:
     """Room for logs here."""
     free = shutil.disk_usage(Path.cwd()).free / GIB
     return Check(
-        "disk", "ok" if free > 1.0 else "note", f"{free:.1f} GiB free here; an hour of driving is about 0.1 GiB"
+        "disk", "ok" if free > 1.0 else "note", f"{free:.1f} GiB free here; an hour of log is 0.2 to 0.4 GB"
     )
 
 
