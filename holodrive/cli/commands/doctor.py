@@ -120,9 +120,7 @@ def serial() -> Check:
 def disk() -> Check:
     """Room for logs here."""
     free = shutil.disk_usage(Path.cwd()).free / GIB
-    return Check(
-        "disk", "ok" if free > 1.0 else "note", f"{free:.1f} GiB free here; an hour of log is 0.2 to 0.4 GB"
-    )
+    return Check("disk", "ok" if free > 1.0 else "note", f"{free:.1f} GiB free here; an hour of log is 0.2 to 0.4 GB")
 
 
 def clock() -> Check:
