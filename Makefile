@@ -3,7 +3,7 @@ SHELL := /bin/sh
 PYTHON ?= $(shell command -v python3 || command -v python3.13 || command -v python3.12 || command -v python3.11)
 BIN := .venv/bin
 PYTEST_ARGS ?=
-PYTEST_WORKERS ?= -n auto --maxprocesses 4 # two cores: 73 s instead of 110 s
+PYTEST_WORKERS ?= -n auto --maxprocesses 4 # about half the time on two cores
 # What another environment (ROS, for one) has on its path must not leak into ours.
 unexport PYTHONPATH PYTHONHOME
 
