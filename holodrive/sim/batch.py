@@ -5,7 +5,7 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -135,7 +135,7 @@ def rollout(
     """
     if plant not in period.PLANTS:
         raise UnknownName("plant", plant, period.PLANTS)
-    model, kin = model_of(robot, dt), kinematics.arrays(robot)
+    model, kin = model_of(robot, dt), _kinematics(robot)
     if n < 1 or not (t > 0.0 and math.isfinite(t)) or (log_every is not None and log_every < 1):
         raise InputError(
             f"a roll-out takes n >= 1, t > 0 and log_every >= 1; found n={n}, t={t}, log_every={log_every}"
@@ -292,6 +292,11 @@ def _rows(value: ArrayLike, n: int, what: str, width: int | None = None) -> Arra
         shape = f"({width or 'p'},) or ({n}, {width or 'p'})"
         raise InputError(f"{what} has shape {np.shape(value)}; expected {shape}")
     return np.ascontiguousarray(array)
+
+
+@lru_cache(maxsize=64)
+def _kinematics(robot: Robot) -> Array:
+    return kinematics.arrays(robot)
 
 
 def _cores() -> int:

@@ -122,12 +122,12 @@ def circle_over(ranges, cos, sin, first, per, cx, cy, radius):  # type: ignore[n
     low, high, turn, before, after = beam_span(first, per, middle - half, middle + half)
     for k in range(before, after):
         a, b = beams_of(low + k * turn, high + k * turn, ranges.shape[0])
-        span, bc, bs = ranges[a:b], cos[a:b], sin[a:b]
-        for i in range(span.shape[0]):
-            along = cx * bc[i] + cy * bs[i]
+        for i in range(a, b):
+            along = cx * cos[i] + cy * sin[i]
             under = along * along - outside
             hit = along - math.sqrt(max(under, 0.0))
-            span[i] = hit if under >= 0.0 and along > 0.0 and hit < span[i] else span[i]
+            old = ranges[i]
+            ranges[i] = hit if (under >= 0.0) & (along > 0.0) & (hit < old) else old
 
 
 @njit(cache=True, error_model="numpy")
@@ -141,12 +141,12 @@ def segment_over(ranges, cos, sin, first, per, px, py, ex, ey):  # type: ignore[
     area = px * ey - py * ex
     for k in range(before, after):
         a, b = beams_of(low + k * turn, high + k * turn, ranges.shape[0])
-        span, bc, bs = ranges[a:b], cos[a:b], sin[a:b]
-        for i in range(span.shape[0]):
-            bx, by = bc[i], bs[i]
+        for i in range(a, b):
+            bx, by = cos[i], sin[i]
             over = 1.0 / (bx * ey - by * ex)
             share, hit = (px * by - py * bx) * over, area * over
-            span[i] = hit if hit >= 0.0 and 0.0 <= share <= 1.0 and hit < span[i] else span[i]
+            old = ranges[i]
+            ranges[i] = hit if (hit >= 0.0) & (share >= 0.0) & (share <= 1.0) & (hit < old) else old
 
 
 @njit(cache=True, error_model="numpy")
@@ -168,7 +168,13 @@ def beam_span(first, per, low, high):  # type: ignore[no-untyped-def]
 def beams_of(low, high, count):  # type: ignore[no-untyped-def]
     """Range [a, b) of beams between two beam numbers, one more at each end for what rounding may have lost."""
     a, b = max(0.0, math.floor(low) - 1.0), min(float(count), math.ceil(high) + 2.0)
-    return (int(a), int(b)) if a < b else (0, 0)
+    if a >= b:
+        return np.uint64(0), np.uint64(0)
+    # whole vectors: what they visit beyond the span they miss, and single beams at the end cost more
+    first, size = int(a), min(count, (int(b) - int(a) + 3) // 4 * 4)
+    first = min(first, count - size)
+    # unsigned: Numba need not ask whether an index counts from the end, and the loops become vector code
+    return np.uint64(first), np.uint64(first + size)
 
 
 @njit(cache=True, error_model="numpy")

@@ -85,9 +85,17 @@ def look_around(model, obstacles, state, acc):  # type: ignore[no-untyped-def]
 def send(model, state, events, kind, kin, command, wanted, pipe, speeds, steer):  # type: ignore[no-untyped-def]
     """A controller's command to the wheels: through the limit - discretise - invert pipeline when it is a twist."""
     if kind == TWIST:
-        if math.isnan(command_step(kin, wanted, model[md.PERIOD], pipe, speeds, steer)):
+        finite = not math.isnan(command_step(kin, wanted, model[md.PERIOD], pipe, speeds, steer))
+        if finite and state[st.FAULT] == 0.0:
+            # the pipeline keeps to the wheels' limits, so there is nothing that `accept` would change
+            state[st.DIRECT] = 0.0
+            for i in range(int(model[md.N])):
+                state[st.COMMAND + i] = speeds[i]
+            for j in range(int(model[md.M])):
+                state[st.STEER_COMMAND + j] = steer[j]
+        elif not finite:
             speeds[0] = math.nan
-        accept(model, state, events, speeds, steer, False)
+            accept(model, state, events, speeds, steer, False)
         return
     for i in range(int(model[md.N])):
         speeds[i] = command[layout.VALUE + i]
