@@ -20,7 +20,7 @@ from holodrive.robots.spec import Robot
 from holodrive.sim import period
 from holodrive.sim import rollout_kernel as compiled
 from holodrive.sim import state as st
-from holodrive.sim.base import event_of, start_pose
+from holodrive.sim.base import event_of
 from holodrive.sim.model import model_of
 from holodrive.sim.streams import key_of
 from holodrive.types import Array, Event
@@ -28,6 +28,7 @@ from holodrive.worlds.spec import World
 
 MAX_EVENTS = 16  # of one robot that are kept in full; all are counted
 _LARGEST_CHUNK = 64
+_ROW = ("time", "x", "y", "theta", "vx", "vy", "omega", "ax", "ay", "alpha")  # of a reference table
 _COMPILED: set[Any] = set()  # kernels that are known to compile as a plug
 
 
@@ -41,7 +42,7 @@ class Rollout:
         columns: (k) names of the log's columns.
         state: (n, ...) final states, see `holodrive.sim.state`.
         event_rows: (n, E, ...) event tables.
-        obstacles: for each robot the names of its world's obstacles.
+        worlds: of each robot.
     """
 
     metrics: dict[str, Array]
@@ -49,7 +50,7 @@ class Rollout:
     columns: tuple[str, ...]
     state: Array
     event_rows: Array
-    obstacles: tuple[tuple[str, ...], ...]
+    worlds: tuple[World | None, ...]
 
     def __len__(self) -> int:
         return len(self.state)
@@ -73,9 +74,10 @@ class Rollout:
     def events(self) -> tuple[tuple[Event, ...], ...]:
         """What happened to each robot, the first `MAX_EVENTS` things."""
         counts = self.state[:, st.N_EVENTS].astype(int)
+        names = {id(world): obstacle_names(world) for world in self.worlds}
         return tuple(
-            tuple(event_of(row, names) for row in rows[:count])
-            for rows, count, names in zip(self.event_rows, counts, self.obstacles, strict=True)
+            tuple(event_of(row, names[id(world)]) for row in rows[:count])
+            for rows, count, world in zip(self.event_rows, counts, self.worlds, strict=True)
         )
 
     def column(self, name: str) -> Array:
@@ -190,7 +192,7 @@ def rollout(
         columns=columns,
         state=states,
         event_rows=events,
-        obstacles=tuple(obstacle_names(place) for place in places),
+        worlds=tuple(places),
     )
 
 
@@ -269,18 +271,22 @@ def _references(
         if missing := [place.name if place else "the open floor" for place in places if not (place and place.goal)]:
             raise InputError(f"{missing[0]} has no goal; give reference=... or goals=(x, y, theta)")
         goals = np.array([place.goal.pose for place in places if place and place.goal])
-    rows = np.concatenate([references.fixed_goal(goal).rows for goal in _rows(goals, n, "goals", 3)])
+    rows = np.zeros((n, len(_ROW)))
+    rows[:, 1:4] = _finite(_rows(goals, n, "goals", 3), "goals")
     firsts = np.arange(n, dtype=np.int64)
     return references.FIXED, rows, np.ascontiguousarray(np.stack([firsts, firsts + 1], axis=1))
 
 
 def _starts(starts: ArrayLike | None, places: list[World | None], n: int) -> Array:
     if starts is None:
-        return np.array([start_pose(None, place) for place in places], dtype=np.float64)
-    rows = _rows(starts, n, "starts", 3)
-    if not np.all(np.isfinite(rows)):
-        raise InputError("start poses must be finite numbers (x, y, theta)")
-    return rows
+        return np.array([place.start if place else (0.0, 0.0, 0.0) for place in places], dtype=np.float64)
+    return _finite(_rows(starts, n, "starts", 3), "starts")
+
+
+def _finite(poses: Array, what: str) -> Array:
+    if not np.all(np.isfinite(poses)):
+        raise InputError(f"{what} must be finite (x, y, theta); found {poses[~np.isfinite(poses).all(axis=1)][0]}")
+    return poses
 
 
 def _rows(value: ArrayLike, n: int, what: str, width: int | None = None) -> Array:
