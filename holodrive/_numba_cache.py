@@ -18,6 +18,8 @@ def use_own_folder() -> str | None:
     if "NUMBA_CACHE_DIR" in os.environ:
         return None
     folder = os.path.join(cache_root(), sources_hash(os.path.dirname(os.path.abspath(__file__))))
+    if not os.path.isdir(folder):  # new sources: their folder is made by Numba, the oldest ones go
+        prune()
     os.environ["NUMBA_CACHE_DIR"] = folder
     if "numba" in sys.modules:  # it has read its configuration already
         sys.modules["numba"].config.CACHE_DIR = folder

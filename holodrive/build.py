@@ -183,6 +183,8 @@ class Rerun(NamedTuple):
 def rerun(run: str | Path | Run, progress: Callable[[float], None] | None = None) -> Rerun:
     """Compute a recorded run anew from what its log says of itself, and compare number by number.
 
+    A run that was stopped, or whose log was cut off, is compared as far as it went.
+
     Raises:
         LogError: the log is of a real robot, or its controller is not one that has a name.
     """
@@ -206,11 +208,24 @@ def rerun(run: str | Path | Run, progress: Callable[[float], None] | None = None
         trajectory=planning.from_recipe(settings["reference"]),
         estimator=settings["estimator"],
         params=settings["params"],
-        duration_s=settings["duration_s"],
+        duration_s=_as_far(recorded),
         stop_on_arrival=settings["stop_on_arrival"],
         progress=progress,
     )
-    return Rerun(recorded, again, logs.compare(recorded, again))
+    cut = replace(again, events=again.events[: len(recorded.events)]) if _cut_off(recorded) else again
+    told = tuple(event for event in recorded.events if event.kind != "stop")
+    return Rerun(recorded, again, logs.compare(replace(recorded, events=told), cut))
+
+
+def _cut_off(run: Run) -> bool:
+    return run.ended == "interrupted" or not run.metrics
+
+
+def _as_far(run: Run) -> float:
+    """How long the run was to last [s], or lasted where it was cut off."""
+    if _cut_off(run) and len(run.time):
+        return float(run.time[-1]) + run.robot.control_period_s
+    return float(run.settings["duration_s"])
 
 
 def replay(path: str | Path, run: str | None = None, robot: str | Path | Robot | None = None) -> "Evaluation":

@@ -13,7 +13,8 @@ from holodrive.interfaces import CommandKind
 from holodrive.robots.spec import Robot
 from holodrive.types import Array
 
-_K_XY, _K_THETA, _SCREW, _ARRIVE_M, _ARRIVE_RAD, _FEED, _V_MAX, _W_MAX = range(8)
+_K_XY, _K_THETA, _SCREW, _ARRIVE_M, _ARRIVE_RAD, _FEED, _V_MAX, _W_MAX, _BRAKE, _YAW_BRAKE = range(10)
+_BRAKING_SHARE = 0.6  # of the acceleration limit: what the lag of wheels and steering leaves
 
 
 @njit(cache=True)
@@ -28,10 +29,16 @@ def go_to_pose_kernel(obs, memory, params, command):  # type: ignore[no-untyped-
     if params[_SCREW] != 0.0:
         half = 1.0 if abs(turn) < 1e-6 else 0.5 * turn / math.tan(0.5 * turn)
         ex, ey = half * ex + 0.5 * turn * ey, half * ey - 0.5 * turn * ex
+    # from this far one can still stop with the braking allowed: v^2 = 2 a d, one factor for all three
+    slow = min(
+        1.0,
+        math.sqrt(2.0 * params[_BRAKE] / max(math.hypot(ex, ey), 1e-12)) / params[_K_XY],
+        math.sqrt(2.0 * params[_YAW_BRAKE] / max(abs(turn), 1e-12)) / params[_K_THETA],
+    )
     fx, fy = obs[layout.REF_TWIST], obs[layout.REF_TWIST + 1]
-    vx = params[_K_XY] * ex + params[_FEED] * (c * fx + s * fy)
-    vy = params[_K_XY] * ey + params[_FEED] * (c * fy - s * fx)
-    omega = params[_K_THETA] * turn + params[_FEED] * obs[layout.REF_TWIST + 2]
+    vx = slow * params[_K_XY] * ex + params[_FEED] * (c * fx + s * fy)
+    vy = slow * params[_K_XY] * ey + params[_FEED] * (c * fy - s * fx)
+    omega = slow * params[_K_THETA] * turn + params[_FEED] * obs[layout.REF_TWIST + 2]
     # one factor for all three: the motion slows down, its shape stays
     scale = min(
         1.0,
@@ -52,6 +59,8 @@ def wrap(angle):  # type: ignore[no-untyped-def]
 @dataclass(frozen=True)
 class GoToPose:
     """Go to the reference pose, and along with it while it moves (the law of the third paper, which gives no gains).
+
+    Where the robot has acceleration limits, it nears its goal no faster than it can brake.
 
     Attributes:
         k_xy, k_theta: gains [1/s].
@@ -95,5 +104,7 @@ class GoToPose:
                 self.feed_forward,
                 min(self.max_speed_m_s, robot.limits.speed_m_s),
                 min(self.max_yaw_rate_rad_s, robot.limits.yaw_rate_rad_s),
+                _BRAKING_SHARE * robot.limits.accel_m_s2,
+                _BRAKING_SHARE * robot.limits.yaw_accel_rad_s2,
             ]
         )

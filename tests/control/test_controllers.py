@@ -128,6 +128,17 @@ def test_the_robots_own_limits_count_as_well():
         assert abs(twist.omega) <= 0.3 + 1e-12
 
 
+@pytest.mark.parametrize("distance", [0.01, 0.5, 5.0, 50.0])
+def test_a_goal_is_neared_no_faster_than_the_base_can_brake(distance):
+    from dataclasses import replace
+
+    robot = replace(ROBOT, limits=Limits(accel_m_s2=2.0, yaw_accel_rad_s2=3.0))
+    twist = decide("go_to_pose", Reference(Pose(distance, 0, 2.0)), (0, 0, 0), {"k_xy": 3.0}, robot=robot).command
+    assert twist.vx <= math.sqrt(2.0 * 2.0 * distance)
+    assert twist.omega <= math.sqrt(2.0 * 3.0 * 2.0)
+    assert twist.vy == 0.0
+
+
 def test_pid_is_proportional_plus_integral_plus_derivative():
     params = {"kp": 2.0, "ki": 3.0, "kd": 0.5, "kp_theta": 1.0, "ki_theta": 0.0, "kd_theta": 0.0, "feed_forward": 0.0}
     pid = control.controller("pid", ROBOT, params)

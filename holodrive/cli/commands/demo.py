@@ -104,7 +104,7 @@ def _drive(out: Output, stage: Stage, place: Path, seed: int) -> "Run":
     total = reference.get("duration_s") or (reference["trajectory"].duration_s if "trajectory" in reference else 60.0)
     log = place / f"{stage.robot}.mcap"
     with compiling(out) as ready, out.progress(stage.robot, total, "s simulated") as update:
-        base = hd.simulate(stage.robot, stage.world, seed=seed, start=stage.start)
+        base = hd.simulate(stage.robot, stage.world, plant="slip", seed=seed, start=stage.start)
 
         def progress(done: float) -> None:
             if done > 0.1:  # by then all kernels are there

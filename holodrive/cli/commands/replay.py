@@ -14,10 +14,7 @@ from holodrive.cli.words import can_be_rerun, outcome, robot_line, world_line
 from holodrive.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from holodrive.estimation import Evaluation
-    from holodrive.log.compare import Difference
     from holodrive.log.recording import Recording
     from holodrive.log.run import Run
 
@@ -104,21 +101,7 @@ def _again(out: Output, run: "Run") -> list[dict[str, Any]]:
                 ready()
             update(done)
 
-        return [asdict(difference) for difference in _recorded_part(run, hd.rerun(run, progress=progress).differences)]
-
-
-def _recorded_part(run: "Run", differences: "Iterable[Difference]") -> "list[Difference]":
-    """Differences within what was recorded: a run that was stopped or killed ends before its repetition does."""
-    stopped = run.ended == "interrupted"
-    if not stopped and run.metrics:
-        return list(differences)
-    end = float(run.time[-1])
-    stop = run.events[-1].time if stopped else end
-    return [
-        difference
-        for difference in differences
-        if difference.first_time <= end and not (difference.channel == "events" and difference.first_time >= stop)
-    ]
+        return [asdict(difference) for difference in hd.rerun(run, progress=progress).differences]
 
 
 def _recordings(out: Output, name: str | None, which: str | None, robot: str | None, path: str | None) -> None:
