@@ -31,6 +31,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike
 
+from holodrive.leaf import leaf
 from holodrive.obstacles import clearance
 
 if TYPE_CHECKING:
@@ -150,15 +151,16 @@ def _fold(acc, time, pose, reference, duty):  # type: ignore[no-untyped-def]
             count_duty(acc, duty[k])
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def start(acc):  # type: ignore[no-untyped-def]
     """Make an accumulator (SIZE,) ready for a new run."""
-    acc[:] = 0.0
+    for i in range(acc.shape[0]):
+        acc[i] = 0.0
     acc[CLEARANCE] = math.inf
     acc[_DIRECTION] = acc[FINAL_ERROR] = acc[FINAL_HEADING] = math.nan
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def tick(acc, time, pose, reference):  # type: ignore[no-untyped-def]
     """Count one control tick: pose and reference as (3,) [m, m, rad]."""
     x, y = pose[0], pose[1]
@@ -182,7 +184,7 @@ def tick(acc, time, pose, reference):  # type: ignore[no-untyped-def]
     acc[_TICKS] += 1.0
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def bend(acc, direction):  # type: ignore[no-untyped-def]
     """Add a chord to the path: bends of one sense make one turn."""
     if math.isfinite(acc[_DIRECTION]):
@@ -198,7 +200,7 @@ def bend(acc, direction):  # type: ignore[no-untyped-def]
     acc[_DIRECTION] = direction
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def count_duty(acc, duty):  # type: ignore[no-untyped-def]
     """Count one tick's duties (n,)."""
     known = full = False
@@ -211,7 +213,7 @@ def count_duty(acc, duty):  # type: ignore[no-untyped-def]
             acc[SATURATED] += 1.0
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def finish(acc):  # type: ignore[no-untyped-def]
     """Turn sums into the metrics that are ratios; the first len(NAMES) numbers are the metrics now."""
     time = acc[_T] - acc[_T0]
@@ -222,7 +224,7 @@ def finish(acc):  # type: ignore[no-untyped-def]
     acc[FINAL_HEADING] = abs(acc[FINAL_HEADING])
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def wrapped(angle):  # type: ignore[no-untyped-def]
     """Angle [rad] in (-pi, pi]."""
     return angle - 2.0 * math.pi * math.ceil((angle - math.pi) / (2.0 * math.pi))

@@ -11,6 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike
 
+from holodrive.leaf import leaf
 from holodrive.types import Array
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ def _clearances(obstacles, time, points):  # type: ignore[no-untyped-def]
     return out
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def nearest(obstacles, time, x, y):  # type: ignore[no-untyped-def]
     """The obstacle nearest to a point at a time.
 
@@ -122,7 +123,7 @@ def nearest(obstacles, time, x, y):  # type: ignore[no-untyped-def]
     return best, nx, ny, vx, vy, number
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def from_segment(x1, y1, x2, y2, x, y):  # type: ignore[no-untyped-def]
     """Vector from the nearest point of a segment to a point."""
     ex, ey, px, py = x2 - x1, y2 - y1, x - x1, y - y1
@@ -131,7 +132,7 @@ def from_segment(x1, y1, x2, y2, x, y):  # type: ignore[no-untyped-def]
     return px - t * ex, py - t * ey
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def from_box(obstacles, at, x, y):  # type: ignore[no-untyped-def]
     """Signed distance to the filled box whose row begins at `at`, and the direction away from it."""
     c, s = obstacles[at + 2], obstacles[at + 3]
@@ -149,7 +150,7 @@ def from_box(obstacles, at, x, y):  # type: ignore[no-untyped-def]
     return d, c * nu - s * nv, s * nu + c * nv
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def mover_at(obstacles, at, time):  # type: ignore[no-untyped-def]
     """Place (2) [m] and velocity (2) [m/s] of the mover whose row begins at `at`.
 

@@ -9,12 +9,12 @@ any step, so a passive motor never gains energy. A motor without inductance has 
 
 import math
 
-from numba import njit
+from holodrive.leaf import leaf
 
 COULOMB_SPEED = 0.05  # rad/s at which dry friction has 0.7 of its full torque
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def conductance(duty_v, speed, current, back_emf, resistance, reactance, limit):  # type: ignore[no-untyped-def]
     """g / (R + X) [S] of a motor at the old speed: what the driver's current limit leaves of it.
 
@@ -31,13 +31,13 @@ def conductance(duty_v, speed, current, back_emf, resistance, reactance, limit):
     return 1.0 / total
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def dry_friction(coulomb, speed):  # type: ignore[no-untyped-def]
     """Coulomb torque per speed [N m s/rad]: a secant that is smooth through standstill."""
     return coulomb / math.sqrt(speed * speed + COULOMB_SPEED * COULOMB_SPEED)
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def bus_voltage(open_circuit, resistance, drawn_at_zero, drawn_per_volt):  # type: ignore[no-untyped-def]
     """Voltage of a battery whose motors draw `drawn_at_zero + drawn_per_volt * V` [A]: sag, solved exactly."""
     return (open_circuit - resistance * drawn_at_zero) / (1.0 + resistance * drawn_per_volt)

@@ -4,10 +4,10 @@ duty = (command + kp * error + integral) / no-load speed, error = command - enco
 the feed-forward alone is right for a motor without load at its nominal voltage.
 """
 
-from numba import njit
+from holodrive.leaf import leaf
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def speed_loop_step(command, measured, integral, unit, kp, ki, period):  # type: ignore[no-untyped-def]
     """One tick of one wheel.
 

@@ -7,8 +7,7 @@ Each contact that begins is an event with its time, its place and who moved.
 
 import math
 
-from numba import njit
-
+from holodrive.leaf import leaf
 from holodrive.obstacles import nearest
 from holodrive.sim import model as md
 from holodrive.sim import state as st
@@ -20,13 +19,13 @@ _SLOTS = 4
 _ROUNDS = 32  # between a wall and a post each push shortens the way into the other by a factor
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def free_distance(model, obstacles, state, time):  # type: ignore[no-untyped-def]
     """How far [m] the robot may surely move from where it is now before it touches anything."""
     return nearest(obstacles, time, state[st.POSE], state[st.POSE + 1])[0] - model[md.FOOTPRINT]
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def keep_outside(model, obstacles, state, events, time):  # type: ignore[no-untyped-def]
     """Put the robot out of what it has entered, tell contacts that began, renew the free distance."""
     gap = math.inf
@@ -43,7 +42,7 @@ def keep_outside(model, obstacles, state, events, time):  # type: ignore[no-unty
     state[st.FREE] = gap
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def block(state, nx, ny, vx, vy):  # type: ignore[no-untyped-def]
     """Take from the robot's velocity what goes into a surface with normal n that moves with v."""
     theta = state[st.POSE + 2]
@@ -55,7 +54,7 @@ def block(state, nx, ny, vx, vy):  # type: ignore[no-untyped-def]
         state[st.TWIST + 1] = by - into * (c * ny - s * nx)
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def tell(model, state, events, time, nx, ny, vx, vy, number):  # type: ignore[no-untyped-def]
     """Count a touch; write an event when it is the first one of a contact."""
     oldest = st.CONTACTS
@@ -84,14 +83,15 @@ def tell(model, state, events, time, nx, ny, vx, vy, number):  # type: ignore[no
         events[row, st.EVENT_MOVER_SPEED] = math.hypot(vx, vy)
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def write_event(state, events, time, kind):  # type: ignore[no-untyped-def]
     """Start a row of the event table; gives its number, -1 when the table is full."""
     row = int(state[st.N_EVENTS])
     if row >= events.shape[0]:
         return -1
     state[st.N_EVENTS] += 1.0
-    events[row, :] = 0.0
+    for k in range(st.EVENT_SIZE):
+        events[row, k] = 0.0
     events[row, st.EVENT_TIME], events[row, st.EVENT_KIND] = time, kind
     for i in range(3):
         events[row, st.EVENT_POSE + i] = state[st.POSE + i]

@@ -8,16 +8,15 @@ one of second order, where the twist changes direction within a step.
 
 import math
 
-from numba import njit
-
 from holodrive import obstacles as ob
+from holodrive.leaf import leaf
 from holodrive.sim import model as md
 from holodrive.sim import state as st
 from holodrive.sim.contact import keep_outside
 from holodrive.sim.turn import turn_factors
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def first_order_period(model, obstacles, state, events):  # type: ignore[no-untyped-def]
     """One control period of physics steps with the duties and steering commands in `state`."""
     n, steps, dt = int(model[md.N]), int(model[md.STEPS]), model[md.DT]
@@ -64,7 +63,7 @@ def first_order_period(model, obstacles, state, events):  # type: ignore[no-unty
     state[st.MOVED], state[st.MOVED + 1], state[st.MOVED + 2] = moved_x, moved_y, moved_turn
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def final_twist(model, state, n):  # type: ignore[no-untyped-def]
     """Twist (3) that the duties lead to, and how far (3) the wheels' twist is from it; fixed wheels."""
     ix = iy = iw = gx = gy = gw = 0.0
@@ -78,7 +77,7 @@ def final_twist(model, state, n):  # type: ignore[no-untyped-def]
     return ix, iy, iw, gx, gy, gw
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def settle_wheels(model, state, n, left, time):  # type: ignore[no-untyped-def]
     """Wheels after a period: `left` of each gap remains, and gap * `time` [s] is what it turned the wheel."""
     for i in range(n):
@@ -88,7 +87,7 @@ def settle_wheels(model, state, n, left, time):  # type: ignore[no-untyped-def]
         state[st.WHEEL_ANGLE + i] += target * model[md.PERIOD] + gap * time
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def steer(model, state, n):  # type: ignore[no-untyped-def]
     """One step of the steering servos: lag inside a rate limit."""
     for i in range(n):
@@ -100,7 +99,7 @@ def steer(model, state, n):  # type: ignore[no-untyped-def]
             state[st.STEER + j] += min(limit, max(-limit, step))
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def wheels_step(model, state, n, dt):  # type: ignore[no-untyped-def]
     """Step the wheel speeds; the body's mean twist over the step."""
     vx = vy = omega = 0.0
@@ -122,7 +121,7 @@ def wheels_step(model, state, n, dt):  # type: ignore[no-untyped-def]
     return vx, vy, omega
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def twist_of_wheels(model, state, n):  # type: ignore[no-untyped-def]
     """Write the twist that the wheels ask for now."""
     vx = vy = omega = 0.0
@@ -139,7 +138,7 @@ def twist_of_wheels(model, state, n):  # type: ignore[no-untyped-def]
     state[st.TWIST], state[st.TWIST + 1], state[st.TWIST + 2] = vx, vy, omega
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def steered_rim(model, state, w, speed):  # type: ignore[no-untyped-def]
     """Contact velocity [m/s] of a steered wheel along and across its zero direction."""
     rim, angle = speed * model[w + md.RADIUS], state[st.STEER + int(model[w + md.STEERED])]

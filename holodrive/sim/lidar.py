@@ -8,16 +8,16 @@ beam by beam while the robot moves, and the test's oracle. Inside a filled obsta
 import math
 
 import numpy as np
-from numba import njit
 
 from holodrive import obstacles as ob
+from holodrive.leaf import leaf, set_all
 from holodrive.sim import model as md
 from holodrive.sim.streams import DROPOUT, LIDAR, draw, draw_index, gauss, uniform
 
 _PER_TURN = 0.5 / math.pi
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def cast(ranges, model, obstacles, time, x, y, theta):  # type: ignore[no-untyped-def]
     """True distances (b,) [m] of a whole scan taken at once from a base at (x, y, theta); infinite = nothing there."""
     ox, oy, c, s = sensor(model, x, y, theta)
@@ -47,11 +47,11 @@ def cast(ranges, model, obstacles, time, x, y, theta):  # type: ignore[no-untype
     at = int(obstacles[ob.BOXES])
     for _ in range(int(obstacles[ob.N_BOXES])):
         if ob.from_box(obstacles, at, ox, oy)[0] < 0.0:
-            ranges[:] = 0.0
+            set_all(ranges, 0.0)
         at += ob.BOX
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def cast_beam(beam, model, obstacles, time, x, y, theta):  # type: ignore[no-untyped-def]
     """True distance [m] of one beam from a base at (x, y, theta): every obstacle is asked."""
     ox, oy, c, s = sensor(model, x, y, theta)
@@ -80,7 +80,7 @@ def cast_beam(beam, model, obstacles, time, x, y, theta):  # type: ignore[no-unt
     return best
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def sensor(model, x, y, theta):  # type: ignore[no-untyped-def]
     """Place (2) [m] and direction (cosine, sine) of the sensor on a base at (x, y, theta)."""
     c, s = math.cos(theta), math.sin(theta)
@@ -90,7 +90,7 @@ def sensor(model, x, y, theta):  # type: ignore[no-untyped-def]
     return ox, oy, c, s
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def to_circle(bx, by, cx, cy, radius):  # type: ignore[no-untyped-def]
     """Distance along the unit vector b to a filled circle about c; 0 inside, infinite when it is missed."""
     outside = cx * cx + cy * cy - radius * radius
@@ -101,7 +101,7 @@ def to_circle(bx, by, cx, cy, radius):  # type: ignore[no-untyped-def]
     return along - math.sqrt(under) if along > 0.0 and under >= 0.0 else math.inf
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def to_segment(bx, by, px, py, ex, ey):  # type: ignore[no-untyped-def]
     """Distance along the unit vector b to the segment p .. p + e; infinite when it is missed or parallel."""
     turn = bx * ey - by * ex
@@ -109,12 +109,12 @@ def to_segment(bx, by, px, py, ex, ey):  # type: ignore[no-untyped-def]
     return distance if turn != 0.0 and distance >= 0.0 and 0.0 <= share <= 1.0 else math.inf
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def circle_over(ranges, cos, sin, first, per, cx, cy, radius):  # type: ignore[no-untyped-def]
     """Lower the ranges of the beams that a circle covers; (cx, cy) in the sensor's frame."""
     outside = cx * cx + cy * cy - radius * radius
     if outside <= 0.0:
-        ranges[:] = 0.0
+        set_all(ranges, 0.0)
         return
     # the tangents' half angle, asin(r / d) = atan(r / tangent length)
     half = rough_angle(math.sqrt(outside), radius)
@@ -130,7 +130,7 @@ def circle_over(ranges, cos, sin, first, per, cx, cy, radius):  # type: ignore[n
             ranges[i] = hit if (under >= 0.0) & (along > 0.0) & (hit < old) else old
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def segment_over(ranges, cos, sin, first, per, px, py, ex, ey):  # type: ignore[no-untyped-def]
     """Lower the ranges of the beams that a segment p .. p + e covers, in the sensor's frame."""
     qx, qy = px + ex, py + ey
@@ -149,7 +149,7 @@ def segment_over(ranges, cos, sin, first, per, px, py, ex, ey):  # type: ignore[
             ranges[i] = hit if (hit >= 0.0) & (share >= 0.0) & (share <= 1.0) & (hit < old) else old
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def beam_span(first, per, low, high):  # type: ignore[no-untyped-def]
     """Angles [rad] as beam numbers (real), low <= high, low within one turn from 0; beams in a turn.
 
@@ -164,7 +164,7 @@ def beam_span(first, per, low, high):  # type: ignore[no-untyped-def]
     return low, high, turn, -1 if high > turn - 3.0 else 0, 2 if low < 3.0 else 1
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def beams_of(low, high, count):  # type: ignore[no-untyped-def]
     """Range [a, b) of beams between two beam numbers, one more at each end for what rounding may have lost."""
     a, b = max(0.0, math.floor(low) - 1.0), min(float(count), math.ceil(high) + 2.0)
@@ -177,7 +177,7 @@ def beams_of(low, high, count):  # type: ignore[no-untyped-def]
     return np.uint64(first), np.uint64(first + size)
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def rough_angle(x, y):  # type: ignore[no-untyped-def]
     """atan2(y, x) [rad] to 2e-5 rad: it only chooses beams, whose own distances are exact."""
     ax, ay = abs(x), abs(y)
@@ -195,7 +195,7 @@ def rough_angle(x, y):  # type: ignore[no-untyped-def]
     return -angle if y < 0.0 else angle
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def read(ranges, model, key, scan):  # type: ignore[no-untyped-def]
     """What the sensor tells of true distances (b,), in place: noise, dropouts, limits of range.
 
@@ -220,7 +220,7 @@ def read(ranges, model, key, scan):  # type: ignore[no-untyped-def]
                 ranges[i] = math.inf
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def read_beam(distance, model, key, scan, beam):  # type: ignore[no-untyped-def]
     """What the sensor tells of one beam's true distance; the same numbers as `read`."""
     low, high, index, d = model[md.RANGE_MIN], model[md.RANGE_MAX], np.uint64(beam), distance

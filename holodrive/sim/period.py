@@ -3,10 +3,10 @@
 import math
 
 import numpy as np
-from numba import njit
 
 from holodrive import layout
 from holodrive.actuators.speed_loop import speed_loop_step
+from holodrive.leaf import leaf, set_all
 from holodrive.sim import model as md
 from holodrive.sim import state as st
 from holodrive.sim.contact import free_distance, write_event
@@ -20,10 +20,10 @@ _DEAD = 1e-200
 PLANTS = {"first_order": FIRST_ORDER, "slip": SLIP}
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def start(model, obstacles, state, key, ranges, pending, x, y, theta):  # type: ignore[no-untyped-def]
     """Put a robot at rest at a pose at time 0 and read its sensors."""
-    state[:] = 0.0
+    set_all(state, 0.0)
     state[st.POSE], state[st.POSE + 1], state[st.POSE + 2] = x, y, theta
     for i in range(3):
         state[st.TICK_POSE + i] = state[st.POSE + i]
@@ -32,11 +32,11 @@ def start(model, obstacles, state, key, ranges, pending, x, y, theta):  # type: 
     state[st.FREE] = free_distance(model, obstacles, state, 0.0)
     for i in range(int(model[md.N])):  # NaN without an encoder
         state[st.MEASURED + i] = 0.0 * model[md.WHEELS + i * md.BLOCK + md.COUNTS]
-    ranges[:] = math.nan
+    set_all(ranges, math.nan)
     sense(model, obstacles, state, key, ranges, pending)
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def accept(model, state, events, values, steer, direct):  # type: ignore[no-untyped-def]
     """Take wheel speeds (n,) [rad/s], or duties when `direct`, and steering angles (m,) [rad] for the next period.
 
@@ -71,7 +71,7 @@ def accept(model, state, events, values, steer, direct):  # type: ignore[no-unty
         state[st.STEER_COMMAND + j] = steer[j]
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def advance(plant, model, obstacles, state, events, key, ranges, pending):  # type: ignore[no-untyped-def]
     """One control period: speed loop, physics, sensors. The robot must not stand still in time afterwards."""
     drive(model, state)
@@ -89,7 +89,7 @@ def advance(plant, model, obstacles, state, events, key, ranges, pending):  # ty
     sense(model, obstacles, state, key, ranges, pending)
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def flush(state, first, count):  # type: ignore[no-untyped-def]
     """Make zero of what has died away: numbers below 1e-308 cost a hundred times the time of others."""
     for i in range(first, first + count):
@@ -97,7 +97,7 @@ def flush(state, first, count):  # type: ignore[no-untyped-def]
             state[i] = 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def drive(model, state):  # type: ignore[no-untyped-def]
     """The motor board: wheel-speed commands to duties; by feed-forward alone where there is no encoder."""
     kp, ki, period = model[md.LOOP_KP], model[md.LOOP_KI], model[md.PERIOD]
@@ -114,7 +114,7 @@ def drive(model, state):  # type: ignore[no-untyped-def]
             )
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def fill(model, state, ranges, obs):  # type: ignore[no-untyped-def]
     """Write what the sensors tell into a flat observation (`holodrive.layout`); belief and wish stay as they are."""
     obs[layout.TIME], obs[layout.DT] = state[st.TICK] * model[md.PERIOD], model[md.PERIOD]

@@ -13,10 +13,10 @@ from numba import float64, int64, njit, types, uint64, void
 
 from holodrive import layout, metrics
 from holodrive.kinematics.kernel import command_step
+from holodrive.leaf import borrowed, leaf, set_all
 from holodrive.references import MEMORY_SIZE, OUT_SIZE, reference_step
 from holodrive.sim import model as md
 from holodrive.sim import state as st
-from holodrive.sim.borrow import borrowed
 from holodrive.sim.contact import free_distance
 from holodrive.sim.period import SLIP, accept, advance, fill
 from holodrive.sim.period import start as put_at
@@ -54,7 +54,7 @@ SIGNATURE: Any = void(
 )
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def write_log(model, state, obs, row):  # type: ignore[no-untyped-def]
     """One row of a log, after the tick that it tells of."""
     row[LOG_TIME] = obs[layout.TIME]
@@ -72,7 +72,7 @@ def write_log(model, state, obs, row):  # type: ignore[no-untyped-def]
         row[LOG_WHEELS + 3 * n + j] = obs[layout.STEER + j]
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def look_around(model, obstacles, state, acc):  # type: ignore[no-untyped-def]
     """Least clearance so far; asked of the world only where the robot may have come nearer than ever."""
     if state[st.FREE] < acc[metrics.CLEARANCE]:
@@ -81,7 +81,7 @@ def look_around(model, obstacles, state, acc):  # type: ignore[no-untyped-def]
         acc[metrics.CLEARANCE] = min(gap, acc[metrics.CLEARANCE])
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def send(model, state, events, kind, kin, command, wanted, pipe, speeds, steer):  # type: ignore[no-untyped-def]
     """A controller's command to the wheels: through the limit - discretise - invert pipeline when it is a twist."""
     if kind == TWIST:
@@ -104,7 +104,7 @@ def send(model, state, events, kind, kin, command, wanted, pipe, speeds, steer):
     accept(model, state, events, speeds, steer, kind == DUTY)
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def run_robot(  # type: ignore[no-untyped-def]
     controller, estimator, switches, model, obstacles, kin, key, start, params, estimator_params, rows, log, acc,
     events, state, ranges, pending, obs, memory, belief_memory, pipe, speeds, steer, belief, command, reference,
@@ -120,7 +120,8 @@ def run_robot(  # type: ignore[no-untyped-def]
     speeds, steer, belief, command = borrowed(speeds), borrowed(steer), borrowed(belief), borrowed(command)
     reference, reference_memory = borrowed(reference), borrowed(reference_memory)
     put_at(model, obstacles, state, key, ranges, pending, start[0], start[1], start[2])
-    obs[:] = memory[:] = belief_memory[:] = pipe[:] = reference_memory[:] = belief[:] = 0.0
+    for array in (obs, memory, belief_memory, pipe, reference_memory, belief):
+        set_all(array, 0.0)
     for i in range(3):
         belief_memory[layout.START_POSE + i] = start[i]
     metrics.start(acc)
@@ -138,7 +139,7 @@ def run_robot(  # type: ignore[no-untyped-def]
         reference_step(rows, reference_kind, reference_memory, obs[layout.TIME], belief[0], belief[1], reference)
         for i in range(OUT_SIZE):
             obs[layout.REF_POSE + i] = reference[i]
-        command[:] = 0.0
+        set_all(command, 0.0)
         controller(obs, memory, params, command)
         look_around(model, obstacles, state, acc)
         metrics.tick(acc, obs[layout.TIME], pose, reference)

@@ -3,15 +3,15 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from holodrive.leaf import leaf
 from holodrive.sim import lidar as rays
 from holodrive.sim import model as md
 from holodrive.sim import state as st
 from holodrive.sim import streams
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def sense(model, obstacles, state, key, ranges, pending):  # type: ignore[no-untyped-def]
     """Read all sensors at the end of a control period (or at the start of a run).
 
@@ -37,7 +37,7 @@ def sense(model, obstacles, state, key, ranges, pending):  # type: ignore[no-unt
             scan_done(state, time)
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def read_encoders(model, state):  # type: ignore[no-untyped-def]
     """Whole counts since the start, and the motor board's filtered speed; NaN without an encoder."""
     share, moved = model[md.LOOP_FILTER], state[st.TICK] > 0.0
@@ -52,7 +52,7 @@ def read_encoders(model, state):  # type: ignore[no-untyped-def]
         state[st.COUNT + i] = count
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def read_imu(model, state, key, time):  # type: ignore[no-untyped-def]
     """Hold a sample until the next one is due; noise belongs to the sample's number, bias walks with it."""
     rate = model[md.IMU_RATE]
@@ -85,7 +85,7 @@ def read_imu(model, state, key, time):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def read_mice(model, state, key):  # type: ignore[no-untyped-def]
     """Whole counts that the ground has passed by since the last tick; what is left of a count is carried on."""
     tick = int(state[st.TICK])
@@ -109,7 +109,7 @@ def read_mice(model, state, key):  # type: ignore[no-untyped-def]
             state[st.MICE + at] = count * resolution
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def sweep(model, obstacles, state, key, ranges, pending, time):  # type: ignore[no-untyped-def]
     """Take the beams whose time has come since the last tick, each from where the robot was at its time."""
     period, beams = model[md.PERIOD], int(model[md.BEAMS])
@@ -125,11 +125,12 @@ def sweep(model, obstacles, state, key, ranges, pending, time):  # type: ignore[
         pending[beam] = rays.read_beam(distance, model, key, scan, beam)
         state[st.NEXT_BEAM] += 1.0
         if beam + 1 == beams:
-            ranges[:] = pending
+            for i in range(beams):
+                ranges[i] = pending[i]
             scan_done(state, at)
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def scan_done(state, time):  # type: ignore[no-untyped-def]
     """A whole scan is there; its last beam was taken at `time`."""
     state[st.SCANS] += 1.0

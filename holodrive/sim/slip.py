@@ -20,24 +20,20 @@ body's axes is an exact rotation at the end of the step.
 
 import math
 
-import numpy as np
-from numba import njit
-
 from holodrive import obstacles as ob
 from holodrive.actuators.dc_motor import bus_voltage, conductance, dry_friction
-from holodrive.layout import MAX_WHEELS
+from holodrive.leaf import leaf
 from holodrive.sim import model as md
 from holodrive.sim import state as st
 from holodrive.sim.contact import keep_outside
 from holodrive.sim.first_order import steer
 from holodrive.sim.turn import turn_factors
 
-# scratch of a wheel: rows along traction and along the free direction, then this step's numbers
+# places in a wheel's row at `state.CONTACT`: rows along traction and along the free direction, then this step's numbers
 _A, _F, _KAPPA, _SIGMA, _N, _D, _H, _G = 0, 3, 6, 7, 8, 9, 10, 13
-_COLUMNS = 14
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def slip_period(model, obstacles, state, events):  # type: ignore[no-untyped-def]
     """One control period of physics steps with the duties and steering commands in `state`."""
     n, steps, dt = int(model[md.N]), int(model[md.STEPS]), model[md.DT]
@@ -47,16 +43,15 @@ def slip_period(model, obstacles, state, events):  # type: ignore[no-untyped-def
     x, y = state[st.POSE] + c * cx - s * cy, state[st.POSE + 1] + s * cx + c * cy
     omega = state[st.TWIST + 2]
     vx, vy = state[st.TWIST] - omega * cy, state[st.TWIST + 1] + omega * cx
-    table = np.empty((MAX_WHEELS, _COLUMNS))
-    contacts(model, state, table, n)
+    contacts(model, state, n)
     moved_x = moved_y = moved_turn = 0.0
     for k in range(steps):
         if steered:
             steer(model, state, n)
-            contacts(model, state, table, n)
-        voltage = battery(model, state, table, n)
-        vx, vy, omega = body_step(model, state, table, voltage, n, vx, vy, omega)
-        spin(model, state, table, voltage, n, vx, vy, omega)
+            contacts(model, state, n)
+        voltage = battery(model, state, n)
+        vx, vy, omega = body_step(model, state, voltage, n, vx, vy, omega)
+        spin(model, state, voltage, n, vx, vy, omega)
         x, y, turn = x + (c * vx - s * vy) * dt, y + (s * vx + c * vy) * dt, omega * dt
         theta += turn
         sine, versine = turn_factors(turn)
@@ -78,34 +73,34 @@ def slip_period(model, obstacles, state, events):  # type: ignore[no-untyped-def
     state[st.MOVED], state[st.MOVED + 1], state[st.MOVED + 2] = moved_x, moved_y, moved_turn
 
 
-@njit(cache=True, error_model="numpy")
-def contacts(model, state, table, n):  # type: ignore[no-untyped-def]
+@leaf
+def contacts(model, state, n):  # type: ignore[no-untyped-def]
     """Directions of traction and of free rolling as rows over the twist of the centre of mass."""
     for i in range(n):
-        w = md.WHEELS + i * md.BLOCK
+        w, t = md.WHEELS + i * md.BLOCK, st.CONTACT + i * st.CONTACT_ROW
         j = int(model[w + md.STEERED])
         if j < 0:
             for k in range(8):
-                table[i, k] = model[w + md.TRACTION + k]
+                state[t + k] = model[w + md.TRACTION + k]
             continue
         angle, px, py = model[w + md.YAW] + state[st.STEER + j], model[w + md.PX], model[w + md.PY]
         ax, ay = math.cos(angle), math.sin(angle)
-        table[i, _A], table[i, _A + 1], table[i, _A + 2] = ax, ay, px * ay - py * ax
-        table[i, _F], table[i, _F + 1], table[i, _F + 2] = -ay, ax, px * ax + py * ay
-        table[i, _KAPPA], table[i, _SIGMA] = model[w + md.RADIUS], 0.0
+        state[t + _A], state[t + _A + 1], state[t + _A + 2] = ax, ay, px * ay - py * ax
+        state[t + _F], state[t + _F + 1], state[t + _F + 2] = -ay, ax, px * ax + py * ay
+        state[t + _KAPPA], state[t + _SIGMA] = model[w + md.RADIUS], 0.0
 
 
-@njit(cache=True, error_model="numpy")
-def battery(model, state, table, n):  # type: ignore[no-untyped-def]
+@leaf
+def battery(model, state, n):  # type: ignore[no-untyped-def]
     """Conductances of the motors under their current limits, and the voltage [V] that the battery holds."""
     last = state[st.VOLTAGE]
     at_zero = per_volt = 0.0
     for i in range(n):
-        w = md.WHEELS + i * md.BLOCK
+        w, t = md.WHEELS + i * md.BLOCK, st.CONTACT + i * st.CONTACT_ROW
         duty, speed, current = state[st.DUTY + i], state[st.WHEEL_SPEED + i], state[st.CURRENT + i]
         emf, reactance = model[w + md.BACK_EMF], model[w + md.REACTANCE]
         g = conductance(duty * last, speed, current, emf, model[w + md.RESISTANCE], reactance, model[w + md.LIMIT])
-        table[i, _G] = g
+        state[t + _G] = g
         at_zero += duty * g * (reactance * current - emf * speed)
         per_volt += duty * duty * g
     full = model[md.BATTERY_V] if state[st.CHARGE] < model[md.BATTERY_C] else 0.0
@@ -114,18 +109,18 @@ def battery(model, state, table, n):  # type: ignore[no-untyped-def]
     return voltage
 
 
-@njit(cache=True, error_model="numpy")
-def body_step(model, state, table, voltage, n, vx, vy, omega):  # type: ignore[no-untyped-def]
-    """New velocity of the centre of mass in the old axes (3); what the wheels need of the step goes to `table`."""
+@leaf
+def body_step(model, state, voltage, n, vx, vy, omega):  # type: ignore[no-untyped-def]
+    """New velocity of the centre of mass in the old axes (3); what the wheels need of the step goes to `state`."""
     dt, floor, mass = model[md.DT], model[md.SLIP_SPEED] * model[md.SLIP_SPEED], model[md.MASS]
     m11, m22, m33 = mass, mass, model[md.INERTIA]
     b1, b2, b3 = mass * vx, mass * vy, model[md.INERTIA] * omega
     m12 = m13 = m23 = 0.0
     for i in range(n):
-        w, speed = md.WHEELS + i * md.BLOCK, state[st.WHEEL_SPEED + i]
-        a1, a2, a3 = table[i, _A], table[i, _A + 1], table[i, _A + 2]
-        f1, f2, f3 = table[i, _F], table[i, _F + 1], table[i, _F + 2]
-        kr, sr = table[i, _KAPPA], table[i, _SIGMA]
+        w, t, speed = md.WHEELS + i * md.BLOCK, st.CONTACT + i * st.CONTACT_ROW, state[st.WHEEL_SPEED + i]
+        a1, a2, a3 = state[t + _A], state[t + _A + 1], state[t + _A + 2]
+        f1, f2, f3 = state[t + _F], state[t + _F + 1], state[t + _F + 2]
+        kr, sr = state[t + _KAPPA], state[t + _SIGMA]
         s = a1 * vx + a2 * vy + a3 * omega - kr * speed
         q = f1 * vx + f2 * vy + f3 * omega - sr * speed
         if model[w + md.STEERED] >= 0.0:  # friction circle of a plain tyre
@@ -135,11 +130,11 @@ def body_step(model, state, table, voltage, n, vx, vy, omega):  # type: ignore[n
             k_a = dt * model[w + md.GRIP] / math.sqrt(s * s + floor)
             k_f = dt * model[w + md.ROLLING] / math.sqrt(q * q + floor)
         ka, fs = k_a * kr, k_f * sr
-        ready, damping = motor_step(model, state, w, i, voltage, table[i, _G], speed)
+        ready, damping = motor_step(model, state, w, i, voltage, state[t + _G], speed)
         inverse = 1.0 / (model[w + md.SPIN] + dt * damping + ka * kr + fs * sr)
         h1, h2, h3 = ka * a1 + fs * f1, ka * a2 + fs * f2, ka * a3 + fs * f3
-        table[i, _N], table[i, _D] = ready, inverse
-        table[i, _H], table[i, _H + 1], table[i, _H + 2] = h1, h2, h3
+        state[t + _N], state[t + _D] = ready, inverse
+        state[t + _H], state[t + _H + 1], state[t + _H + 2] = h1, h2, h3
         p1, p2, p3 = h1 * inverse, h2 * inverse, h3 * inverse
         m11 += k_a * a1 * a1 + k_f * f1 * f1 - h1 * p1
         m12 += k_a * a1 * a2 + k_f * f1 * f2 - h1 * p2
@@ -151,7 +146,7 @@ def body_step(model, state, table, voltage, n, vx, vy, omega):  # type: ignore[n
     return solve_symmetric(m11, m12, m13, m22, m23, m33, b1, b2, b3)
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def motor_step(model, state, w, i, voltage, conductance, speed):  # type: ignore[no-untyped-def]
     """Angular momentum N with the motor's push in it [N m s], and all that brakes per speed [N m s/rad]."""
     torque = model[w + md.TORQUE] * conductance
@@ -160,7 +155,7 @@ def motor_step(model, state, w, i, voltage, conductance, speed):  # type: ignore
     return model[w + md.SPIN] * speed + model[md.DT] * torque * push, damping
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def solve_symmetric(m11, m12, m13, m22, m23, m33, b1, b2, b3):  # type: ignore[no-untyped-def]
     """x of M x = b for a symmetric positive 3 x 3 matrix: L D L^T by hand."""
     l21, l31 = m12 / m11, m13 / m11
@@ -173,16 +168,16 @@ def solve_symmetric(m11, m12, m13, m22, m23, m33, b1, b2, b3):  # type: ignore[n
     return b1 / m11 - l21 * x2 - l31 * x3, x2, x3
 
 
-@njit(cache=True, error_model="numpy")
-def spin(model, state, table, voltage, n, vx, vy, omega):  # type: ignore[no-untyped-def]
+@leaf
+def spin(model, state, voltage, n, vx, vy, omega):  # type: ignore[no-untyped-def]
     """Wheel speeds, angles, currents and what the battery gave, from the body's new velocity."""
     dt, drawn = model[md.DT], 0.0
     for i in range(n):
-        w = md.WHEELS + i * md.BLOCK
-        pull = table[i, _H] * vx + table[i, _H + 1] * vy + table[i, _H + 2] * omega
-        speed = (table[i, _N] + pull) * table[i, _D]
+        w, t = md.WHEELS + i * md.BLOCK, st.CONTACT + i * st.CONTACT_ROW
+        pull = state[t + _H] * vx + state[t + _H + 1] * vy + state[t + _H + 2] * omega
+        speed = (state[t + _N] + pull) * state[t + _D]
         push = state[st.DUTY + i] * voltage + model[w + md.REACTANCE] * state[st.CURRENT + i]
-        current = table[i, _G] * (push - model[w + md.BACK_EMF] * speed)
+        current = state[t + _G] * (push - model[w + md.BACK_EMF] * speed)
         state[st.WHEEL_SPEED + i], state[st.CURRENT + i] = speed, current
         state[st.WHEEL_ANGLE + i] += speed * dt
         drawn += state[st.DUTY + i] * current

@@ -43,7 +43,9 @@ STEER = INTEGRAL + MAX_WHEELS  # m: rad
 STEER_COMMAND = STEER + MAX_WHEELS  # m: rad
 MICE = STEER_COMMAND + MAX_WHEELS  # 2 k: m told at this tick
 MICE_CARRY = MICE + 2 * MAX_MICE  # 2 k: counts not told yet, below 1
-SIZE = MICE_CARRY + 2 * MAX_MICE
+CONTACT = MICE_CARRY + 2 * MAX_MICE  # n rows: scratch of the slip plant, see there
+CONTACT_ROW = 14
+SIZE = CONTACT + CONTACT_ROW * MAX_WHEELS
 
 # --- event table: one row for each event of a robot ----------------------------------------------
 EVENT_TIME = 0  # s

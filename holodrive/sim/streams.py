@@ -7,7 +7,8 @@ different tuples are neighbours of one another, and results cannot depend on thr
 import math
 
 import numpy as np
-from numba import njit
+
+from holodrive.leaf import leaf
 
 # streams: which sensor draws
 LIDAR, GYRO, GYRO_WALK, ACCEL, MICE, DROPOUT = range(6)
@@ -28,7 +29,7 @@ _TAIL = 0.018549499722796705
 _UNIT = 1.0049600395825111
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def mix(z):  # type: ignore[no-untyped-def]
     """Finaliser of splitmix64: uint64 -> uint64, one to one."""
     z = (z ^ (z >> _S30)) * _A
@@ -36,25 +37,25 @@ def mix(z):  # type: ignore[no-untyped-def]
     return z ^ (z >> _S31)
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def key_of(seed, robot):  # type: ignore[no-untyped-def]
     """Key of one robot of one run."""
     return mix(mix(np.uint64(seed) + _GOLDEN) ^ mix(np.uint64(robot) * _A + _GOLDEN))
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def draw(key, stream, step):  # type: ignore[no-untyped-def]
     """64 random bits of a stream's step; a key itself for numbers within the step (`draw_index`)."""
     return mix(mix(key ^ mix(np.uint64(stream) * _B + _GOLDEN)) ^ mix(np.uint64(step) + _GOLDEN))
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def draw_index(bits, index):  # type: ignore[no-untyped-def]
     """64 random bits of an index (uint64) within a step. The odd factor spreads indices over all 64 bits."""
     return mix(bits ^ (index * _A + _GOLDEN))
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def gauss(bits):  # type: ignore[no-untyped-def]
     """Standard normal number of 64 random bits: mean 0, variance 1, kurtosis 3, at most 4.1 away from 0."""
     total = np.float64(np.int64((bits & _LOW) + ((bits >> _S16) & _LOW) + ((bits >> _S32) & _LOW) + (bits >> _S48)))
@@ -62,7 +63,7 @@ def gauss(bits):  # type: ignore[no-untyped-def]
     return _UNIT * z * (1.0 + _TAIL * (z * z - 3.0))
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def uniform(bits):  # type: ignore[no-untyped-def]
     """Even number in [0, 1) of 64 random bits."""
     return np.float64(np.int64(bits >> _S11)) * (1.0 / 9007199254740992.0)

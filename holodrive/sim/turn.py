@@ -2,12 +2,12 @@
 
 import math
 
-from numba import njit
+from holodrive.leaf import leaf
 
 _SERIES = 0.05  # rad in one step: below, the series below is exact to the last bit
 
 
-@njit(cache=True, error_model="numpy")
+@leaf
 def turn_factors(turn):  # type: ignore[no-untyped-def]
     """sin(t)/t and (1 - cos(t))/t of a turn t [rad]."""
     if abs(turn) < _SERIES:
