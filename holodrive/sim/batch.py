@@ -183,7 +183,7 @@ def rollout(
 
     def run(job: tuple[World | None, Any]) -> None:
         place, robots = job
-        compiled.run_robots(*plugs, switches, model, obstacles_of(place), kin, robots, *shared)
+        compiled.run_robots(*plugs, switches, model, _obstacles(place), kin, robots, *shared)
 
     _in_threads(run, _jobs(places, n, workers or _cores()), workers or _cores())
     return Rollout(
@@ -298,6 +298,18 @@ def _rows(value: ArrayLike, n: int, what: str, width: int | None = None) -> Arra
         shape = f"({width or 'p'},) or ({n}, {width or 'p'})"
         raise InputError(f"{what} has shape {np.shape(value)}; expected {shape}")
     return np.ascontiguousarray(array)
+
+
+def _obstacles(world: World | None) -> Array:
+    try:
+        return _kept_obstacles(world)
+    except TypeError:  # a world made in code with lists in it has no hash to be kept by
+        return obstacles_of(world)
+
+
+@lru_cache(maxsize=64)
+def _kept_obstacles(world: World | None) -> Array:
+    return obstacles_of(world)
 
 
 @lru_cache(maxsize=64)

@@ -14,8 +14,6 @@ from holodrive.leaf import leaf, set_all
 from holodrive.sim import model as md
 from holodrive.sim.streams import DROPOUT, LIDAR, draw, draw_index, gauss, uniform
 
-_PER_TURN = 0.5 / math.pi
-
 
 @leaf
 def cast(ranges, model, obstacles, time, x, y, theta):  # type: ignore[no-untyped-def]
@@ -23,26 +21,28 @@ def cast(ranges, model, obstacles, time, x, y, theta):  # type: ignore[no-untype
     ox, oy, c, s = sensor(model, x, y, theta)
     beams, at = ranges.shape[0], int(model[md.BEAMS_AT])
     cos, sin = model[at : at + beams], model[at + beams : at + 2 * beams]
-    first, per = model[md.FIRST_BEAM], 1.0 / model[md.BEAM_STEP]  # rad, beams per rad
+    # rad; beams per rad, per turn; turns per beam
+    first, per, turn = model[md.FIRST_BEAM], 1.0 / model[md.BEAM_STEP], 2.0 * math.pi / abs(model[md.BEAM_STEP])
+    share = 1.0 / turn
     for i in range(beams):
         ranges[i] = math.inf
     at = int(obstacles[ob.CIRCLES])
     for _ in range(int(obstacles[ob.N_CIRCLES])):
         dx, dy = obstacles[at] - ox, obstacles[at + 1] - oy
-        circle_over(ranges, cos, sin, first, per, c * dx + s * dy, c * dy - s * dx, obstacles[at + 2])
+        circle_over(ranges, cos, sin, first, per, turn, share, c * dx + s * dy, c * dy - s * dx, obstacles[at + 2])
         at += ob.CIRCLE
     at = int(obstacles[ob.MOVERS])
     for _ in range(int(obstacles[ob.N_MOVERS])):
         mx, my, _, _ = ob.mover_at(obstacles, at, time)
         dx, dy = mx - ox, my - oy
-        circle_over(ranges, cos, sin, first, per, c * dx + s * dy, c * dy - s * dx, obstacles[at])
+        circle_over(ranges, cos, sin, first, per, turn, share, c * dx + s * dy, c * dy - s * dx, obstacles[at])
         at += ob.MOVER
     at = int(obstacles[ob.EDGES])
     for _ in range(int(obstacles[ob.N_EDGES])):
         px, py = obstacles[at] - ox, obstacles[at + 1] - oy
         ex, ey = obstacles[at + 2] - obstacles[at], obstacles[at + 3] - obstacles[at + 1]
         px, py, ex, ey = c * px + s * py, c * py - s * px, c * ex + s * ey, c * ey - s * ex
-        segment_over(ranges, cos, sin, first, per, px, py, ex, ey)
+        segment_over(ranges, cos, sin, first, per, turn, share, px, py, ex, ey)
         at += ob.EDGE
     at = int(obstacles[ob.BOXES])
     for _ in range(int(obstacles[ob.N_BOXES])):
@@ -110,7 +110,7 @@ def to_segment(bx, by, px, py, ex, ey):  # type: ignore[no-untyped-def]
 
 
 @leaf
-def circle_over(ranges, cos, sin, first, per, cx, cy, radius):  # type: ignore[no-untyped-def]
+def circle_over(ranges, cos, sin, first, per, turn, share, cx, cy, radius):  # type: ignore[no-untyped-def]
     """Lower the ranges of the beams that a circle covers; (cx, cy) in the sensor's frame."""
     outside = cx * cx + cy * cy - radius * radius
     if outside <= 0.0:
@@ -119,7 +119,7 @@ def circle_over(ranges, cos, sin, first, per, cx, cy, radius):  # type: ignore[n
     # the tangents' half angle, asin(r / d) = atan(r / tangent length)
     half = rough_angle(math.sqrt(outside), radius)
     middle = rough_angle(cx, cy)
-    low, high, turn, before, after = beam_span(first, per, middle - half, middle + half)
+    low, high, before, after = beam_span(first, per, turn, share, middle - half, middle + half)
     for k in range(before, after):
         a, b = beams_of(low + k * turn, high + k * turn, ranges.shape[0])
         for i in range(a, b):
@@ -131,37 +131,36 @@ def circle_over(ranges, cos, sin, first, per, cx, cy, radius):  # type: ignore[n
 
 
 @leaf
-def segment_over(ranges, cos, sin, first, per, px, py, ex, ey):  # type: ignore[no-untyped-def]
+def segment_over(ranges, cos, sin, first, per, turn, share, px, py, ex, ey):  # type: ignore[no-untyped-def]
     """Lower the ranges of the beams that a segment p .. p + e covers, in the sensor's frame."""
     qx, qy = px + ex, py + ey
     start = rough_angle(px, py)
     # signed angle from p to q, the short way round
     swing = rough_angle(px * qx + py * qy, px * qy - py * qx)
-    low, high, turn, before, after = beam_span(first, per, start + min(swing, 0.0), start + max(swing, 0.0))
+    low, high, before, after = beam_span(first, per, turn, share, start + min(swing, 0.0), start + max(swing, 0.0))
     area = px * ey - py * ex
     for k in range(before, after):
         a, b = beams_of(low + k * turn, high + k * turn, ranges.shape[0])
         for i in range(a, b):
             bx, by = cos[i], sin[i]
             over = 1.0 / (bx * ey - by * ex)
-            share, hit = (px * by - py * bx) * over, area * over
+            where, hit = (px * by - py * bx) * over, area * over
             old = ranges[i]
-            ranges[i] = hit if (hit >= 0.0) & (share >= 0.0) & (share <= 1.0) & (hit < old) else old
+            ranges[i] = hit if (hit >= 0.0) & (where >= 0.0) & (where <= 1.0) & (hit < old) else old
 
 
 @leaf
-def beam_span(first, per, low, high):  # type: ignore[no-untyped-def]
-    """Angles [rad] as beam numbers (real), low <= high, low within one turn from 0; beams in a turn.
+def beam_span(first, per, turn, share, low, high):  # type: ignore[no-untyped-def]
+    """Angles [rad] as beam numbers (real), low <= high, low within one turn from 0.
 
     The last two say by how many turns the span must be shifted to meet all its beams: range(before, after).
     """
     if per < 0.0:
         low, high = high, low
-    turn = 2.0 * math.pi * abs(per)
     low, high = (low - first) * per, (high - first) * per
-    shift = turn * np.floor(low * (_PER_TURN / abs(per)))
+    shift = turn * np.floor(low * share)
     low, high = low - shift, high - shift
-    return low, high, turn, -1 if high > turn - 3.0 else 0, 2 if low < 3.0 else 1
+    return low, high, -1 if high > turn - 3.0 else 0, 2 if low < 3.0 else 1
 
 
 @leaf
