@@ -192,6 +192,10 @@ def rerun(run: str | Path | Run, progress: Callable[[float], None] | None = None
     settings = recorded.settings
     if "plant" not in settings:
         raise LogError("this log does not say how it was simulated; only simulated runs can be run again")
+    if len(recorded.time) and recorded.time[0] > 0.0:
+        raise LogError(
+            f"this run began {recorded.time[0]:g} s after its base did; only a fresh base can be simulated again"
+        )
     if settings["controller"] not in control.names():
         raise LogError(f"this run was driven by {settings['controller']!r}, which has no registered name to find it by")
     base = simulate(

@@ -25,6 +25,9 @@ class Tick(NamedTuple):
     truth: Pose | None = None
     true_twist: Twist | None = None
     duty: Array | None = None
+    gyro: float | None = None
+    accel: Array | None = None
+    mice: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -77,8 +80,10 @@ class Run:
     def ended(self) -> str:
         """Why it ended: "arrived", "fault" (the gate refused a command), "interrupted" or "duration"."""
         kinds = {event.kind for event in self.events}
-        reasons = {"gate": "fault", "arrived": "arrived", "stop": "interrupted"}
-        return next((reasons[kind] for kind in reasons if kind in kinds), "duration")
+        if "gate" in kinds or "stop" in kinds:
+            return "fault" if "gate" in kinds else "interrupted"
+        at_the_end = [event for event in self.events if event.kind == "arrived" and event.time >= self.time[-1]]
+        return "arrived" if at_the_end else "duration"
 
     def _repr_html_(self) -> str:
         """For notebooks: the metrics and the path over the world."""

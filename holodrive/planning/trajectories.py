@@ -39,8 +39,8 @@ def follow(
     if heading not in get_args(Heading):
         words = get_args(Heading)
         raise InputError(f"heading is {heading!r}; allowed: {', '.join(words)}{did_you_mean(str(heading), words)}")
-    if laps < 1 or (laps > 1 and not path.closed):
-        raise InputError(f"laps is {laps}; an open path takes 1, a closed one 1 or more")
+    if laps != int(laps) or laps < 1 or (laps > 1 and not path.closed):
+        raise InputError(f"laps is {laps}; an open path takes 1, a closed one a whole number from 1 on")
     if not accel_m_s2 < math.inf:
         accel_m_s2 = 2.0 * speed_m_s
     u, length = _arc_length(path)

@@ -58,6 +58,8 @@ class Loop:
         self._pipeline = CommandPipeline(base.robot)
         self._limits = GateLimits.of(base.robot, calibration)
         self._gate = GateState()
+        self._began: float | None = None
+        self._arrived = False
 
     @property
     def fault(self) -> str:
@@ -71,12 +73,13 @@ class Loop:
         self.reference.reset()
         self._pipeline.reset()
         self._gate = GateState()
+        self._began, self._arrived = None, False
 
     def step(self) -> Tick:
         """One control tick; what it saw and did goes to the sinks and is given back."""
         observation = self.base.observe()
         estimate = self.estimator.step(observation)
-        reference = self.reference.step(observation.time, estimate.pose)
+        reference = self.reference.step(self._since_start(observation), estimate.pose)
         self.decision = self.controller.step(reference, estimate, observation)
         verdict = gate(self._for_motors(self.decision.command, observation), self._gate, self._limits)
         truth, twist = getattr(self.base, "truth", None), getattr(self.base, "true_twist", None)
@@ -94,9 +97,22 @@ class Loop:
             truth=truth,
             true_twist=twist,
             duty=getattr(self.base, "duty", None),
+            gyro=observation.gyro,
+            accel=observation.accel,
+            mice=observation.mice,
         )
         self._record(tick, observation)
         return tick
+
+    def _since_start(self, observation: Observation) -> float:
+        """Time since the first tick [s]: a base's clock need not begin at 0, and modules may stand at any angle."""
+        if self._began is None:
+            self._began = observation.time
+            steer = tuple(float(angle) for angle in observation.wheels.steer)
+            if steer and all(math.isfinite(angle) for angle in steer):
+                self._pipeline.reset(steer)
+                self._gate = GateState("", steer)
+        return observation.time - self._began
 
     def run(
         self,
@@ -109,27 +125,27 @@ class Loop:
         """Tick until arrival, a fault, Ctrl-C or `duration_s`; the wheels are stopped at the end in every case.
 
         Args:
-            duration_s: of the robot's clock.
+            duration_s: from the first tick, on the robot's clock.
             stop_on_arrival: end when the controller says that it is there.
             pace: called before each tick with its time since the first [s]; sleeps to keep to the wall clock.
-            progress: called with the time of each tick [s] after it.
+            progress: called after each tick with its time since the first [s].
         """
         period, until, faulted, count = self.base.robot.control_period_s, duration_s, False, 0
-        time = 0.0
+        began = time = 0.0
         try:
             while True:
                 if pace is not None:
                     pace(count * period)
-                count += 1
                 time = self.step().time
+                began = time if count == 0 else began
+                count += 1
                 if progress is not None:
-                    progress(time)
+                    progress(time - began)
                 if self.fault and not faulted:
-                    faulted, until = True, min(until, time + FAULT_HOLD_S)
-                if self.decision.arrived and stop_on_arrival and not faulted:
-                    self._emit(Event(time, "arrived", "arrived", self._pose(), {}))
+                    faulted, until = True, min(until, time - began + FAULT_HOLD_S)
+                if self._arrived and stop_on_arrival and not faulted:
                     return Ending("arrived", time)
-                if time + 1.5 * period > until:
+                if time - began + 1.5 * period > until:
                     return Ending("fault" if faulted else "duration", time)
         except KeyboardInterrupt:
             self._emit(Event(time, "stop", "stopped by the user", self._pose(), {}))
@@ -151,6 +167,9 @@ class Loop:
             sink.tick(tick)
             if observation.scan_is_new and observation.scan is not None:
                 sink.scan(observation.scan)
+        if self.decision.arrived and not self._arrived and not self.fault:
+            self._arrived = True
+            self._emit(Event(tick.time, "arrived", "arrived", tick.truth or tick.estimate.pose, {}))
         if self.decision.fault:
             self._emit(Event(tick.time, "fault", self.decision.fault, tick.truth or tick.estimate.pose, {}))
         take = getattr(self.base, "take_events", None)

@@ -100,6 +100,7 @@ def test_a_recipe_makes_the_same_table_again(table):
         (lambda: planning.circle(-1.0), "above 0"),
         (lambda: planning.lemniscate(math.nan), "above 0"),
         (lambda: planning.follow(planning.line((0, 0), (1, 0)), 0.1, laps=2), "laps"),
+        (lambda: planning.follow(planning.circle(1), 0.1, laps=1.5), "whole number"),
         (lambda: planning.follow(planning.circle(1), 0.1, heading="tangnt"), "Did you mean 'tangent'"),
         (lambda: planning.trapezoid(1.0, 0.0, 1.0), "speed"),
         (lambda: planning.move((0, 0, 0), (1, 0, 0), 0.0), "time above 0"),

@@ -162,3 +162,30 @@ def test_an_answer_that_is_no_command_gets_one_clear_line(law):
 def test_what_cannot_control_is_refused(what):
     with pytest.raises(InputError, match="no controller"):
         controller(what, ROBOT)
+
+
+def test_a_base_may_be_driven_again_and_its_clock_need_not_begin_at_zero():
+    loop, base, _ = loop_of(lambda r, e, o: Twist(0.01, 0.0, 0.0))
+    loop.run(1.0)
+    again, _, notes = loop_of(lambda r, e, o: Twist(0.01, 0.0, 0.0), base=base)
+    assert again.run(0.5).why == "duration"
+    assert len(notes.ticks) == 50
+    assert notes.ticks[0].time == pytest.approx(1.0)
+
+
+def test_arriving_is_told_once_even_when_the_run_goes_on():
+    loop, _, notes = loop_of("go_to_pose", goal=(0.02, 0.0, 0.0))
+    assert loop.run(3.0, stop_on_arrival=False).why == "duration"
+    assert [event.kind for event in notes.events] == ["arrived"]
+    assert len(notes.ticks) == 300
+
+
+def test_modules_at_rest_stay_as_they_stand_when_a_drive_begins():
+    robot = hd.load("swerve3")
+    base = hd.simulate(robot, "open")
+    for _ in range(100):
+        base.apply(WheelCommand((0.0,) * 3, (1.2, -0.4, 0.9)))
+    stood = base.observe().wheels.steer
+    run = hd.drive(base, lambda r, e, o: Twist(0.0, 0.0, 0.0), goal=(0, 0, 0), duration_s=0.5, stop_on_arrival=False)
+    np.testing.assert_allclose(run.steer[-1], stood, atol=1e-3)
+    np.testing.assert_allclose(run.steer_commands, np.tile(stood, (len(run.time), 1)), atol=1e-3)
