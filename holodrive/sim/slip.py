@@ -7,8 +7,9 @@ direction f in which a roller runs free, f square to a:
     force = -k_a s a - k_f q f,  k = mu N / sqrt(slip^2 + v0^2)       (a plain tyre: one k for both, friction circle)
     J dw/dt = efficiency K i - b w - coulomb(w) - r e . force
 
-Semi-implicit: the coefficients k, the motor's conductance and the friction secants are frozen at the step's start,
-everything that is linear in the new velocities is solved for. Each wheel's new speed depends on the body alone,
+Semi-implicit: the motor's conductance and the friction secants are frozen at the step's start, the coefficients k at
+the slip of then or, where a wheel breaks loose within the step, of the pass before; everything that is linear in the
+new velocities is solved for. Each wheel's new speed depends on the body alone,
 
     D w' = N + dt h . xi',  D = J + dt (b + eta K^2 g + r^2 (k_a kappa^2 + k_f sigma^2)),
     h = r (k_a kappa A + k_f sigma F)
@@ -30,7 +31,9 @@ from holodrive.sim.first_order import steer
 from holodrive.sim.turn import turn_factors
 
 # places in a wheel's row at `state.CONTACT`: rows along traction and along the free direction, then this step's numbers
-_A, _F, _KAPPA, _SIGMA, _N, _D, _H, _G = 0, 3, 6, 7, 8, 9, 10, 13
+_A, _F, _KAPPA, _SIGMA, _N, _D, _H, _G, _S, _Q = 0, 3, 6, 7, 8, 9, 10, 13, 14, 15
+_MOST_PASSES = 20  # of one step; one does while slip changes little
+_EXCESS = 1.02  # of the grip, that a force may reach before the step is solved again
 
 
 @leaf
@@ -50,7 +53,7 @@ def slip_period(model, obstacles, state, events):  # type: ignore[no-untyped-def
             steer(model, state, n)
             contacts(model, state, n)
         voltage = battery(model, state, n)
-        vx, vy, omega = body_step(model, state, voltage, n, vx, vy, omega)
+        vx, vy, omega = grip_step(model, state, voltage, n, vx, vy, omega)
         spin(model, state, voltage, n, vx, vy, omega)
         x, y, turn = x + (c * vx - s * vy) * dt, y + (s * vx + c * vy) * dt, omega * dt
         theta += turn
@@ -110,8 +113,48 @@ def battery(model, state, n):  # type: ignore[no-untyped-def]
 
 
 @leaf
+def grip_step(model, state, voltage, n, vx, vy, omega):  # type: ignore[no-untyped-def]
+    """New velocity of the centre of mass (3): solved again with the new slip where a wheel breaks loose within a step.
+
+    Friction frozen at the slip before would then push far above the grip (at full duty from rest, 1.5 to 9 times).
+    Each pass lowers the energy that friction, motors and inertia share, so the passes converge to the implicit step.
+    """
+    for i in range(n):
+        measure(state, i, vx, vy, omega, state[st.WHEEL_SPEED + i])
+    nx, ny, turn = body_step(model, state, voltage, n, vx, vy, omega)
+    for _ in range(_MOST_PASSES - 1):
+        if holds(model, state, n, nx, ny, turn):
+            break
+        nx, ny, turn = body_step(model, state, voltage, n, vx, vy, omega)
+    return nx, ny, turn
+
+
+@leaf
+def measure(state, i, vx, vy, omega, speed):  # type: ignore[no-untyped-def]
+    """Write how a tyre slides [m/s] along its traction and along its free direction."""
+    t = st.CONTACT + i * st.CONTACT_ROW
+    state[t + _S] = state[t + _A] * vx + state[t + _A + 1] * vy + state[t + _A + 2] * omega - state[t + _KAPPA] * speed
+    state[t + _Q] = state[t + _F] * vx + state[t + _F + 1] * vy + state[t + _F + 2] * omega - state[t + _SIGMA] * speed
+
+
+@leaf
+def holds(model, state, n, vx, vy, omega):  # type: ignore[no-untyped-def]
+    """Whether no force of the step just solved exceeds its grip; the new slips are noted for the next pass."""
+    floor, fine = model[md.SLIP_SPEED] * model[md.SLIP_SPEED], True
+    for i in range(n):
+        w, t = md.WHEELS + i * md.BLOCK, st.CONTACT + i * st.CONTACT_ROW
+        plain = 1.0 if model[w + md.STEERED] >= 0.0 else 0.0
+        before = state[t + _S] * state[t + _S] + plain * state[t + _Q] * state[t + _Q] + floor
+        pull = state[t + _H] * vx + state[t + _H + 1] * vy + state[t + _H + 2] * omega
+        measure(state, i, vx, vy, omega, (state[t + _N] + pull) * state[t + _D])
+        now = state[t + _S] * state[t + _S] + plain * state[t + _Q] * state[t + _Q]
+        fine = fine and now <= _EXCESS * _EXCESS * before
+    return fine
+
+
+@leaf
 def body_step(model, state, voltage, n, vx, vy, omega):  # type: ignore[no-untyped-def]
-    """New velocity of the centre of mass in the old axes (3); what the wheels need of the step goes to `state`."""
+    """One pass: new velocity of the centre of mass in the old axes (3); what the wheels need of it goes to `state`."""
     dt, floor, mass = model[md.DT], model[md.SLIP_SPEED] * model[md.SLIP_SPEED], model[md.MASS]
     m11, m22, m33 = mass, mass, model[md.INERTIA]
     b1, b2, b3 = mass * vx, mass * vy, model[md.INERTIA] * omega
@@ -121,8 +164,7 @@ def body_step(model, state, voltage, n, vx, vy, omega):  # type: ignore[no-untyp
         a1, a2, a3 = state[t + _A], state[t + _A + 1], state[t + _A + 2]
         f1, f2, f3 = state[t + _F], state[t + _F + 1], state[t + _F + 2]
         kr, sr = state[t + _KAPPA], state[t + _SIGMA]
-        s = a1 * vx + a2 * vy + a3 * omega - kr * speed
-        q = f1 * vx + f2 * vy + f3 * omega - sr * speed
+        s, q = state[t + _S], state[t + _Q]
         if model[w + md.STEERED] >= 0.0:  # friction circle of a plain tyre
             k_a = dt * model[w + md.GRIP] / math.sqrt(s * s + q * q + floor)
             k_f = k_a

@@ -44,7 +44,7 @@ STEER_COMMAND = STEER + MAX_WHEELS  # m: rad
 MICE = STEER_COMMAND + MAX_WHEELS  # 2 k: m told at this tick
 MICE_CARRY = MICE + 2 * MAX_MICE  # 2 k: counts not told yet, below 1
 CONTACT = MICE_CARRY + 2 * MAX_MICE  # n rows: scratch of the slip plant, see there
-CONTACT_ROW = 14
+CONTACT_ROW = 16
 SIZE = CONTACT + CONTACT_ROW * MAX_WHEELS
 
 # --- event table: one row for each event of a robot ----------------------------------------------

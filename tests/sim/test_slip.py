@@ -224,3 +224,19 @@ def test_on_ice_the_wheels_turn_and_the_robot_hardly_moves():
     kinematic = Chassis.of(base.robot).forward(base.true_wheel_speeds)[0]
     assert base.true_twist.vx < 0.3 * kinematic
     assert GRAVITY == 9.80665
+
+
+@pytest.mark.parametrize("friction", [0.6, 0.2, 0.05])
+def test_no_base_accelerates_faster_than_its_grip_allows(friction):
+    """Coulomb's limit, mu g, at full duty from rest and at the ordinary step of 1 ms."""
+    import holodrive as hd
+
+    robot = hd.load("swerve3")
+    robot = replace(robot, ground=replace(robot.ground, friction=friction), control_period_s=1e-3)
+    base = hd.simulate(robot, "open", plant="slip")
+    speeds = [0.0]
+    for _ in range(60):
+        base.apply(hd.DutyCommand((1.0,) * 3, (0.0,) * 3))
+        speeds.append(base.true_twist.vx)
+    assert np.diff(speeds).max() / 1e-3 <= 1.06 * friction * 9.81
+    assert speeds[-1] == pytest.approx(friction * 9.81 * 0.06, rel=0.05)
