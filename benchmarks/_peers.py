@@ -38,7 +38,7 @@ class IrSim:
         gx, gy, gt = WORLD["goal"]
         path = FOLDER / "irsim.yaml"
         path.write_text(
-            f"world: {{height: 6, width: 8, step_time: {self.dt}, collision_mode: unobstructed}}\n"
+            f"world: {{height: 6, width: 8, step_time: {self.dt}}}\n"
             f"robot:\n  - kinematics: {{name: omni}}\n    shape: {{name: circle, radius: {RADIUS}}}\n"
             f"    state: [{x}, {y}, {theta}]\n    goal: [{gx}, {gy}, {gt}]\n    vel_max: [0.1, 0.1]\n"
             f"    vel_min: [-0.1, -0.1]\n    sensors:\n      - {{type: lidar2d, range_min: 0.15, range_max: {RANGE}, "
@@ -51,11 +51,12 @@ class IrSim:
     def run(self, seconds):
         """Go to the goal with a proportional law, reading each scan."""
         env = self.env
+        env.reset()
         for _ in range(round(seconds / self.dt)):
-            x, y = env.robot.state[0, 0], env.robot.state[1, 0]
+            x, y, theta = env.robot.state[:3, 0]
             dx, dy = self.goal[0] - x, self.goal[1] - y
-            scale = 0.08 / max(math.hypot(dx, dy), 0.08)
-            env.step(self.np.array([[scale * dx], [scale * dy]]))
+            scale, c, s = 0.086 / max(math.hypot(dx, dy), 0.086), math.cos(theta), math.sin(theta)
+            env.step(self.np.array([[scale * (c * dx + s * dy)], [scale * (c * dy - s * dx)]]))  # body axes
             env.get_lidar_scan()
 
 

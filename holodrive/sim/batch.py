@@ -156,12 +156,12 @@ def rollout(
     log = np.full((n, rows, len(columns)), math.nan)
     accs, states = np.zeros((n, metrics.SIZE)), np.zeros((n, st.SIZE))
     events = np.zeros((n, MAX_EVENTS, st.EVENT_SIZE))
-    own = controller.pack(robot) if params is None else params
+    own = _packed(controller, robot) if params is None else params
     shared = (
         _starts(starts, places, n),
         np.array([key_of(seed, first + i) for i in range(n)], dtype=np.uint64),
         _rows(own, n, "params"),
-        np.ascontiguousarray(estimator.pack(robot), dtype=np.float64) if estimator else np.zeros(1),
+        _packed(estimator, robot) if estimator else np.zeros(1),
         np.array(sizes, dtype=np.int64),
         table,
         bounds,
@@ -298,6 +298,26 @@ def _rows(value: ArrayLike, n: int, what: str, width: int | None = None) -> Arra
         shape = f"({width or 'p'},) or ({n}, {width or 'p'})"
         raise InputError(f"{what} has shape {np.shape(value)}; expected {shape}")
     return np.ascontiguousarray(array)
+
+
+def _packed(plug: Plug, robot: Robot) -> Array:
+    """The plug's parameters; those of a frozen dataclass cannot change and are kept."""
+    parameters: Any = getattr(plug, "__dataclass_params__", None)
+    if parameters is None or not parameters.frozen:
+        return _pack(plug, robot)
+    try:
+        return _kept_pack((plug, robot))
+    except TypeError:  # a field without a hash, such as an array
+        return _pack(plug, robot)
+
+
+def _pack(plug: Plug, robot: Robot) -> Array:
+    return np.ascontiguousarray(plug.pack(robot), dtype=np.float64)
+
+
+@lru_cache(maxsize=64)
+def _kept_pack(both: tuple[Plug, Robot]) -> Array:
+    return _pack(*both)
 
 
 def _obstacles(world: World | None) -> Array:

@@ -24,25 +24,27 @@ def first_order_period(model, obstacles, state, events):  # type: ignore[no-unty
     x, y, theta, free = state[st.POSE], state[st.POSE + 1], state[st.POSE + 2], state[st.FREE]
     c, s = math.cos(theta), math.sin(theta)
     vx = vy = omega = gx = gy = gw = moved_x = moved_y = moved_turn = 0.0
-    left, decay, mean = 1.0, model[md.WHEELS + md.DECAY], model[md.WHEELS + md.MEAN]
+    left, passed, decay, mean = 1.0, 0.0, model[md.WHEELS + md.DECAY], model[md.WHEELS + md.MEAN]
     if alike:
         ix, iy, iw, gx, gy, gw = final_twist(model, state, n)
     for k in range(steps):
         if alike:
             # wheels of one lag: the twist itself goes the way that each wheel goes
-            vx, vy, omega = ix + gx * left * mean, iy + gy * left * mean, iw + gw * left * mean
+            share = left * mean
+            vx, vy, omega = ix + gx * share, iy + gy * share, iw + gw * share
             left *= decay
+            passed += share
         else:
             if steered:
                 steer(model, state, n)
             vx, vy, omega = wheels_step(model, state, n, dt)
+            moved_x, moved_y, moved_turn = moved_x + vx * dt, moved_y + vy * dt, moved_turn + omega * dt
         dx, dy, turn = vx * dt, vy * dt, omega * dt
         sine, versine = turn_factors(turn)
         ux, uy = sine * dx - versine * dy, versine * dx + sine * dy
         x, y, theta = x + c * ux - s * uy, y + s * ux + c * uy, theta + turn
         ds, dc = sine * turn, versine * turn
         c, s = c - (dc * c + ds * s), s - (dc * s - ds * c)
-        moved_x, moved_y, moved_turn = moved_x + dx, moved_y + dy, moved_turn + turn
         free -= abs(dx) + abs(dy) + fastest
         if free < 0.0 or k == steps - 1:
             if alike:
@@ -58,7 +60,9 @@ def first_order_period(model, obstacles, state, events):  # type: ignore[no-unty
             keep_outside(model, obstacles, state, events, (state[st.TICK] * steps + k + 1) * dt)
             x, y, free = state[st.POSE], state[st.POSE + 1], state[st.FREE]
     if alike:
-        settle_wheels(model, state, n, left, mean * (1.0 - left) / (1.0 - decay) * dt)
+        time, gap_time = steps * dt, passed * dt
+        moved_x, moved_y, moved_turn = ix * time + gx * gap_time, iy * time + gy * gap_time, iw * time + gw * gap_time
+        settle_wheels(model, state, n, left, gap_time)
     state[st.POSE], state[st.POSE + 1], state[st.POSE + 2], state[st.FREE] = x, y, theta, free
     state[st.MOVED], state[st.MOVED + 1], state[st.MOVED + 2] = moved_x, moved_y, moved_turn
 
