@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from holodrive.kinematics.shapes import common_shape
 from holodrive.types import Array
 
 if TYPE_CHECKING:
@@ -34,6 +35,7 @@ def inverse_acceleration(chassis: "Chassis", twist: Array, accel: Array) -> Whee
 
     A module at rest is taken to point along its acceleration; its steering rate is 0 there.
     """
+    common_shape(twist=twist.shape[:-1], accel=accel.shape[:-1])
     twist, accel = np.broadcast_arrays(twist, accel)
     rate = chassis.wheel_rows(accel)
     contact = _contact(chassis, twist, accel)
@@ -70,12 +72,12 @@ def forward_acceleration(
         steer_rates: (..., m) their rates [rad/s]; 0 when not given.
     """
     rows = chassis.rows_of(rates, steer)
-    if chassis.steered and steer_rates is not None:
+    rate = None if steer_rates is None else chassis.steering(steer_rates, "rates of steering")
+    if rate is not None:
         # a steering wheel turns its speed: add w r d'(-sin d, cos d)
         index = list(chassis.steered)
         turned = chassis.rows_of(speeds, np.asarray(steer, dtype=np.float64) + 0.5 * np.pi)
         rows = np.array(np.broadcast_to(rows, np.broadcast_shapes(rows.shape, turned.shape)))
-        rate = np.asarray(steer_rates, dtype=np.float64)
         for j in range(len(index)):
             at = chassis.steered_rows[j]
             rows[..., at] += turned[..., at] * rate[..., j]

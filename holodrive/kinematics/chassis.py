@@ -8,7 +8,7 @@ map stacked (2n, 3). Least squares is unweighted over those rows, with one excep
 base that mixes both kinds, rows of steered wheels count divided by the mean wheel radius.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +20,7 @@ from holodrive.kinematics import acceleration, limits, solve
 from holodrive.kinematics.judge import WARN_CONDITION, Verdict, judge
 from holodrive.kinematics.polytope import Polytope
 from holodrive.kinematics.scalar import Scalar
+from holodrive.kinematics.shapes import common_shape, numbers, read_only, short, twists, vectors, wheel_values
 from holodrive.kinematics.wheel import Wheel
 from holodrive.types import Array, WheelCommand
 
@@ -57,8 +58,9 @@ class Chassis:
         column = np.array([1.0, 1.0, 1.0 / self.verdict.length])
         inverse = np.linalg.pinv(self.jacobian * self.row_scale[:, None] * column) * self.row_scale
         self.least_squares = _clean(column[:, None] * inverse)
+        # `of` gives one chassis to many users
         for array in (self.jacobian, self.least_squares, self.row, self.row_scale):
-            array.flags.writeable = False
+            read_only(array)
 
     @classmethod
     def of(cls, robot: "Robot") -> "Chassis":
@@ -93,29 +95,30 @@ class Chassis:
     @cached_property
     def max_speeds(self) -> Array:
         """(n,) wheel speed limits [rad/s]."""
-        return np.array([wheel.max_speed for wheel in self.wheels])
+        return read_only(np.array([wheel.max_speed for wheel in self.wheels]))
 
     @cached_property
     def radii(self) -> Array:
         """(n,) wheel radii [m]."""
-        return np.array([wheel.radius for wheel in self.wheels])
+        return read_only(np.array([wheel.radius for wheel in self.wheels]))
 
     @cached_property
     def fixed_rows(self) -> Array:
         """Rows of the wheels that are not steered."""
-        return np.array([self.row[i] for i in range(len(self.wheels)) if i not in self.steered], dtype=np.intp)
+        fixed = [self.row[i] for i in range(len(self.wheels)) if i not in self.steered]
+        return read_only(np.array(fixed, dtype=np.intp))
 
     @cached_property
     def steered_rows(self) -> Array:
         """First rows of the steered wheels."""
-        return np.array([self.row[i] for i in self.steered], dtype=np.intp)
+        return read_only(np.array([self.row[i] for i in self.steered], dtype=np.intp))
 
     def inverse(self, twist: ArrayLike, centre: ArrayLike = (0.0, 0.0)) -> WheelCommand:
         """Wheels for a twist: body -> wheels.
 
         Args:
             twist: (..., 3) velocity of the point `centre` in `base_link` axes [m/s, m/s, rad/s].
-            centre: (2,) point [m] whose velocity is meant, so that a pure rotation turns about it.
+            centre: (..., 2) point [m] whose velocity is meant, so that a pure rotation turns about it.
 
         Returns:
             speeds (..., n) [rad/s] and steer (..., m) [rad]. A steered wheel gets the plain polar form: speed >= 0,
@@ -135,7 +138,7 @@ class Chassis:
 
         Args:
             speeds: (..., n) [rad/s].
-            steer: (..., m) steering angles [rad]; needed when the base has steered wheels.
+            steer: (..., m) steering angles [rad]; needed when the base has steered wheels, refused when it has none.
         """
         return np.asarray(self.rows_of(speeds, steer) @ self.least_squares.T)
 
@@ -153,7 +156,9 @@ class Chassis:
         self, twist: ArrayLike, accel: ArrayLike, centre: ArrayLike = (0.0, 0.0)
     ) -> acceleration.WheelAcceleration:
         """Wheel and steering rates for the rate of a twist; see `holodrive.kinematics.acceleration`."""
-        return acceleration.inverse_acceleration(self, about(twist, centre), about(accel, centre))
+        return acceleration.inverse_acceleration(
+            self, about(twist, centre), about(accel, centre, "the rate of a twist")
+        )
 
     def forward_acceleration(
         self,
@@ -180,38 +185,45 @@ class Chassis:
 
     def wheel_rows(self, twist: ArrayLike) -> Array:
         """J . twist, (..., rows) in the units of the rows."""
-        return np.asarray(np.asarray(twist, dtype=np.float64) @ self.jacobian.T)
+        return np.asarray(twists(twist) @ self.jacobian.T)
 
     def rows_of(self, speeds: ArrayLike, steer: ArrayLike | None = None) -> Array:
         """What wheels that turn so say about J . twist: (..., rows)."""
-        speeds = np.asarray(speeds, dtype=np.float64)
-        if speeds.ndim == 0 or speeds.shape[-1] != len(self.wheels):
-            raise ChassisError(f"wheel speeds have shape {speeds.shape}; expected (..., {len(self.wheels)})")
-        if not self.steered:
+        speeds = wheel_values(speeds, self.names, "wheel speeds")
+        angles = self.steering(steer, "steering angles")
+        if angles is None:
             return speeds
-        angles = np.asarray(() if steer is None else steer, dtype=np.float64)
-        if angles.shape[-1] != len(self.steered):
-            raise ChassisError(
-                f"steering angles have shape {angles.shape}; expected (..., {len(self.steered)}), "
-                f"one for each of {', '.join(self.names[i] for i in self.steered)}"
-            )
         index = list(self.steered)
         rim = speeds[..., index] * self.radii[index]
-        shape = np.broadcast_shapes(rim.shape, angles.shape)
-        rows = np.empty((*shape[:-1], len(self.jacobian)))
+        shape = common_shape(speeds=rim.shape[:-1], steer=angles.shape[:-1])
+        rows = np.empty((*shape, len(self.jacobian)))
         rows[..., self.row] = speeds
         rows[..., self.steered_rows] = rim * np.cos(angles)
         rows[..., self.steered_rows + 1] = rim * np.sin(angles)
         return rows
+
+    def steering(self, values: ArrayLike | None, what: str) -> Array | None:
+        """What a caller passed for the steered wheels, as (..., m); None where the base has none."""
+        names = tuple(self.names[i] for i in self.steered)
+        if names and values is None:
+            raise ChassisError(f"this base needs {what} (..., {len(names)}), one for each of {', '.join(names)}")
+        if names:
+            return wheel_values(values if values is not None else (), names, what)
+        # `inverse` answers with an empty array, which may come back
+        if values is not None and numbers(values, what).shape[-1:] != (0,):
+            raise ChassisError(f"{what} {short(values)} for a base that has no steered wheel; leave them out")
+        return None
 
     def __repr__(self) -> str:
         kinds = ", ".join(f"{wheel.name}: {wheel.kind}" for wheel in self.wheels)
         return f"Chassis({kinds}; condition {self.condition:.3g})"
 
 
-def about(twist: ArrayLike, centre: ArrayLike) -> Array:
+def about(twist: ArrayLike, centre: ArrayLike, what: str = "a twist") -> Array:
     """Twist (..., 3) of the base from the velocity of its point `centre` (..., 2) [m]."""
-    twist, centre = np.asarray(twist, dtype=np.float64), np.asarray(centre, dtype=np.float64)
+    twist, centre = twists(twist, what), vectors(centre, 2, "the centre", "x and y [m]")
+    if centre.ndim > 1:
+        common_shape(twist=twist.shape[:-1], centre=centre.shape[:-1])
     omega = twist[..., 2]
     vx, vy = twist[..., 0] + omega * centre[..., 1], twist[..., 1] - omega * centre[..., 0]
     return np.stack([vx, vy, np.broadcast_to(omega, vx.shape)], axis=-1)
@@ -226,16 +238,43 @@ def _of(robot: "Robot") -> Chassis:
 
 
 def _named(wheels: Mapping[str, Wheel] | Sequence[Wheel]) -> tuple[Wheel, ...]:
+    pairs = _pairs(wheels)
+    for key, wheel in pairs:
+        if not isinstance(wheel, Wheel):
+            raise ChassisError(f"wheel {key} is {short(wheel)}; make it with Wheel.omni, Wheel.mecanum or Wheel.swerve")
     if isinstance(wheels, Mapping):
-        named = tuple(wheel.named(str(name)) for name, wheel in wheels.items())
+        named = tuple(wheel.named(str(name)) for name, wheel in pairs)
     else:
-        named = tuple(wheel if wheel.name else wheel.named(f"wheel{i + 1}") for i, wheel in enumerate(wheels))
+        _default_names_free(pairs)
+        named = tuple(wheel if wheel.name else wheel.named(f"wheel{i}") for i, wheel in pairs)
     if not named:
         raise ChassisError("a chassis without wheels; give at least three fixed wheels or two steered ones")
     names = [wheel.name for wheel in named]
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise ChassisError(f"two wheels are called {twice[0]!r}; every wheel needs a name of its own")
     return named
+
+
+def _default_names_free(pairs: list[tuple[int, Wheel]]) -> None:
+    """Refuse a given name that is the default name of a wheel without one."""
+    given = {wheel.name: number for number, wheel in pairs if wheel.name}
+    for number, wheel in pairs:
+        if not wheel.name and (owner := given.get(f"wheel{number}")):
+            raise ChassisError(
+                f"wheel {owner} is called 'wheel{number}', which would be the name of wheel {number}; "
+                f"give wheel {number} a name too"
+            )
+
+
+def _pairs(wheels: Any) -> list[tuple[Any, Any]]:
+    """Keys and wheels of a mapping; numbers from 1 and wheels of a sequence."""
+    if isinstance(wheels, Mapping):
+        return list(wheels.items())
+    if isinstance(wheels, str) or not isinstance(wheels, Iterable):
+        raise ChassisError(
+            f"the wheels are {short(wheels)}; give a list or a dict of Wheel.omni, Wheel.mecanum or Wheel.swerve"
+        )
+    return list(enumerate(wheels, 1))
 
 
 def _row_scale(wheels: Sequence[Wheel]) -> Array:

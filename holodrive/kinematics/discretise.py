@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holodrive.errors import CommandError
+from holodrive.kinematics.shapes import twists
 from holodrive.types import Array
 
 
@@ -14,7 +15,7 @@ def discretise(twist: ArrayLike, dt_s: float) -> Array:
     the tick, and turn besides, holds log((vx, vy, omega) dt) / dt instead. With h = omega dt / 2:
     vx' = h cot(h) vx + h vy, vy' = h cot(h) vy - h vx. A tick may turn by less than a full turn.
     """
-    twist = np.asarray(twist, dtype=np.float64)
+    twist = twists(twist)
     half = 0.5 * twist[..., 2] * dt_s
     if not dt_s > 0.0:
         raise CommandError(f"a tick of {dt_s} s; its length must be greater than 0")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from holodrive.kinematics.shapes import twists
 from holodrive.types import Array
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ def loads(chassis: "Chassis", twist: ArrayLike) -> Array:
 
 def saturate(chassis: "Chassis", twist: ArrayLike) -> Applied:
     """Scale twists (..., 3) by one factor each into what the wheels can do; direction and shape of motion stay."""
-    twist = np.asarray(twist, dtype=np.float64)
+    twist = twists(twist)
     load = loads(chassis, twist)
     worst = np.argmax(load, axis=-1)
     scale = 1.0 / np.maximum(1.0, np.max(load, axis=-1))

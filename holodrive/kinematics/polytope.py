@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from holodrive.errors import ChassisError
+from holodrive.kinematics.shapes import read_only
 from holodrive.types import Array
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ class Polytope:
         self.exact = not chassis.steered
         fixed = [i for i in range(len(chassis.wheels)) if i not in chassis.steered]
         # |A v| <= 1 for fixed wheels (f, 3); |B v| <= 1 with B (2, 3) for each steered wheel
-        self._planes = chassis.jacobian[chassis.fixed_rows] / chassis.max_speeds[fixed, None]
+        self._planes = read_only(chassis.jacobian[chassis.fixed_rows] / chassis.max_speeds[fixed, None])
         self._cones = [
             chassis.jacobian[row : row + 2] / chassis.wheels[i].max_rim_speed
             for i, row in zip(chassis.steered, chassis.steered_rows, strict=True)
@@ -53,7 +54,7 @@ class Polytope:
         """(k, 3) corners; with steered wheels points on the boundary, slice by slice."""
         if not self.exact:
             slices = np.linspace(-self.max_omega, self.max_omega, _SLICES)
-            return np.concatenate([_with_omega(self.section(omega), omega) for omega in slices])
+            return read_only(np.concatenate([_with_omega(self.section(omega), omega) for omega in slices]))
         corners = []
         for triple in combinations(range(len(self._planes)), 3):
             matrix = self._planes[list(triple)]
@@ -61,7 +62,7 @@ class Polytope:
                 continue
             for signs in np.array(np.meshgrid([-1.0, 1.0], [-1.0, 1.0], [-1.0, 1.0])).reshape(3, 8).T:
                 corners.append(np.linalg.solve(matrix, signs))
-        return _distinct(np.array([corner for corner in corners if self.contains(corner)]))
+        return read_only(_distinct(np.array([corner for corner in corners if self.contains(corner)])))
 
     @cached_property
     def max_omega(self) -> float:

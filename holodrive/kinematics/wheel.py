@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holodrive.errors import ChassisError
+from holodrive.kinematics.shapes import twists
 from holodrive.types import Array
 
 if TYPE_CHECKING:
@@ -161,7 +162,7 @@ class Wheel:
 
         Paper 000 eq. 14 row 2: u = s.v / s.f with s across the rolling direction, f across the roller axis.
         """
-        twist = np.asarray(twist, dtype=np.float64)
+        twist = twists(twist)
         c, s = math.cos(self.yaw), math.sin(self.yaw)
         across = np.array([-s, c, self.x * c + self.y * s])
         return np.asarray(twist @ across / math.cos(self.roller))

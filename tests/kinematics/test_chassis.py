@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from holodrive import geometry
+from holodrive import geometry, robots
 from holodrive.errors import ChassisError, InputError
 from holodrive.kinematics import Chassis, Wheel
+from holodrive.kinematics.discretise import discretise
 
 seeds = st.integers(0, 2**32 - 1)
 twists = st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-6, 6)).map(np.array)
@@ -108,6 +109,19 @@ def test_wheels_are_named_by_the_dict_by_themselves_or_by_number():
         Chassis([])
 
 
+def test_a_given_name_may_not_be_the_default_name_of_another_wheel():
+    three = [Wheel.omni(math.cos(a), math.sin(a), a + math.pi / 2, 0.1) for a in (0.0, 2.0, 4.0)]
+    refuses(
+        lambda: Chassis([replace(three[0], name="wheel2"), *three[1:]]),
+        "wheel 1 is called 'wheel2', which would be the name of wheel 2; give wheel 2 a name",
+    )
+    # its own default name, and any name where every wheel has one, are a wheel's to have
+    assert Chassis([three[0], replace(three[1], name="wheel2"), three[2]]).names == ("wheel1", "wheel2", "wheel3")
+    names = ("wheel2", "wheel1", "c")
+    assert Chassis([replace(w, name=n) for w, n in zip(three, names, strict=True)]).names == names
+    refuses(lambda: Chassis({1: three[0], "1": three[1], "c": three[2]}), "two wheels are called '1'")
+
+
 @pytest.mark.parametrize(
     ("make", "said"),
     [
@@ -125,8 +139,73 @@ def test_an_impossible_wheel_is_refused_in_words(make, said):
 def test_wrong_shapes_are_named(bases):
     with pytest.raises(ChassisError, match=r"expected \(\.\.\., 4\)"):
         bases["mecanum4"].forward([1.0, 2.0])
-    with pytest.raises(ChassisError, match="one for each of fl, fr, rl, rr"):
+    with pytest.raises(ChassisError, match=r"needs steering angles.*one for each of fl, fr, rl, rr"):
         bases["swerve4"].forward([1.0, 2.0, 3.0, 4.0])
+
+
+@pytest.mark.parametrize("twist", [[1, 2, 3, 4], [[1, 2, 3, 4]], [1, 2], 5.0, [], [[1, 2, 3], [4, 5]], ["fast"], None])
+@pytest.mark.parametrize("kind", ["omni3", "swerve4"])
+def test_what_is_not_a_twist_is_refused_in_one_line(bases, kind, twist):
+    chassis = bases[kind]
+    for function in (chassis.inverse, chassis.wheel_rows, chassis.saturate, chassis.wheels[0].roller_speed):
+        refuses(lambda function=function: function(twist), "twist", r"expected (\(\.\.\., 3\): vx|an array of numbers)")
+    refuses(lambda: chassis.inverse_acceleration([0, 0, 0], twist), "rate of a twist")
+    refuses(lambda: discretise(twist, 0.01), "twist")
+
+
+@pytest.mark.parametrize("centre", [[0.1, 0.2, 0.3], [0.1], 0.1, [], "nose"])
+def test_what_is_not_a_point_is_refused_in_one_line(bases, centre):
+    refuses(lambda: bases["omni3"].inverse([1, 2, 3], centre), "centre")
+
+
+def test_leading_axes_that_do_not_fit_are_refused_in_one_line(bases):
+    refuses(lambda: bases["omni3"].inverse(np.zeros((5, 3)), np.zeros((4, 2))), r"twist \(5,\), centre \(4,\)")
+    refuses(lambda: bases["swerve4"].forward(np.zeros((5, 4)), np.zeros((3, 4))), r"speeds \(5,\), steer \(3,\)")
+
+
+def test_steering_angles_belong_to_steered_wheels(bases):
+    for steer in ([0.1], 0.1, [0.1] * 4):
+        for call in (bases["mecanum4"].forward, bases["mecanum4"].solve):
+            refuses(lambda call=call, steer=steer: call([1, 2, 3, 4], steer), "no steered wheel")
+    refuses(lambda: bases["mecanum4"].forward_acceleration([0] * 4, [0] * 4, (), [0.1]), "no steered wheel")
+    # an inverse's own empty answer goes back in, for one and for many
+    for twist in (np.zeros(3), np.zeros((2, 3))):
+        command = bases["mecanum4"].inverse(twist)
+        close(bases["mecanum4"].forward(command.speeds, command.steer), twist, 0.0)
+    for call in (bases["swerve4"].forward, bases["swerve4"].solve):
+        for steer in (None, (), 0.1, [0.1] * 3):
+            refuses(lambda call=call, steer=steer: call([1, 2, 3, 4], steer), "one for each of fl, fr, rl, rr")
+    refuses(lambda: bases["swerve4"].forward_acceleration([0] * 4, [0] * 4, [0] * 4, [0.1]), "rates of steering")
+
+
+@pytest.mark.parametrize("wheels", [{"a": 3}, [None], "wheels", 3, None])
+def test_what_is_not_a_wheel_is_refused_in_one_line(wheels):
+    refuses(lambda: Chassis(wheels), r"Wheel\.omni")
+
+
+def test_arrays_that_all_users_of_a_robot_share_cannot_be_written():
+    chassis = Chassis.of(robots.load("swerve4"))
+    shared = [value for name in dir(chassis) if isinstance(value := getattr(chassis, name), np.ndarray)]
+    polytope = Chassis.of(robots.load("hybrid3")).polytope
+    shared += [value for name in dir(polytope) if isinstance(value := getattr(polytope, name), np.ndarray)]
+    assert len(shared) >= 9
+    for array in shared:
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0
+
+
+def test_a_base_without_steered_wheels_answers_with_arrays_of_the_callers_own(bases):
+    speeds = bases["omni3"].inverse([1.0, 0.0, 0.0]).speeds
+    speeds[:] = 0.0
+    assert np.any(bases["omni3"].inverse([1.0, 0.0, 0.0]).speeds)
+
+
+def refuses(call, *said):
+    with pytest.raises(InputError) as caught:
+        call()
+    assert "\n" not in str(caught.value)
+    for part in said:
+        caught.match(part)
 
 
 def test_condition_numbers_are_the_papers(bases):
