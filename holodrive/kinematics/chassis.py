@@ -79,7 +79,7 @@ class Chassis:
 
     @property
     def characteristic_length(self) -> float:
-        """L_c [m]: mean rim speed per yaw rate."""
+        """L_c [m]: mean rim speed per yaw rate, with rollers mounted the better way."""
         return self.verdict.length
 
     @property

@@ -141,9 +141,15 @@ class Wheel:
         return self.yaw + self.roller
 
     @property
-    def lever(self) -> float:
-        """Rim speed per yaw rate [m]: |x a_y - y a_x| / |a.e|; the whole distance for a steered wheel."""
-        return math.hypot(self.x, self.y) if self.steered else abs(float(self.rows[0, 2])) * self.radius
+    def best_lever(self) -> float:
+        """Rim speed per yaw rate [m] with the rollers mounted the better way, +roller or -roller.
+
+        |x a_y - y a_x| / |a.e|; the whole distance for a steered wheel.
+        """
+        if self.steered:
+            return math.hypot(self.x, self.y)
+        ways = (self.yaw + self.roller, self.yaw - self.roller)
+        return max(abs(self.x * math.sin(a) - self.y * math.cos(a)) for a in ways) / abs(math.cos(self.roller))
 
     @property
     def rows(self) -> Array:

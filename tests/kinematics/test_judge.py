@@ -6,6 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from holodrive import robots
 from holodrive.errors import ChassisError
 from holodrive.kinematics import Chassis, Wheel
 from holodrive.kinematics.judge import MAX_CONDITION, judge
@@ -28,7 +29,9 @@ def exact_values(wheels):
             axis = yaw + mp.mpf(w.roller)
             ax, ay, push = mp.cos(axis), mp.sin(axis), mp.cos(mp.mpf(w.roller))
             rows.append([ax / (r * push), ay / (r * push), (x * ay - y * ax) / (r * push)])
-            levers.append(abs((x * ay - y * ax) / push))
+            other = yaw - mp.mpf(w.roller)
+            ox, oy = mp.cos(other), mp.sin(other)
+            levers.append(max(abs(x * ay - y * ax), abs(x * oy - y * ox)) / abs(push))
     length = max(sum(levers), sum(mp.hypot(w.x, w.y) for w in wheels) / 10) / len(wheels)
     matrix = mp.matrix([[a, b, c / (length or 1)] for a, b, c in rows])
     # square of the values from the 3 x 3 normal matrix: 50 digits leave 25 for the smallest
@@ -117,6 +120,54 @@ def test_mecanum_wheels_with_crossed_rollers_cannot_turn_on_a_square_base():
         ChassisError, match=r"cannot turn in place: the push axes of fl, fr, rl, rr all meet in \(0, 0\)"
     ):
         Chassis({name: Wheel.mecanum(x, y, 0.0, 0.03, side * math.pi / 4) for name, x, y, side in places})
+
+
+def mecanum_base(lx, ly, mounted=1):
+    places = (("fl", lx, ly, -1), ("fr", lx, -ly, 1), ("rl", -lx, ly, 1), ("rr", -lx, -ly, -1))
+    return {name: Wheel.mecanum(x, y, 0.0, 0.03, mounted * side * math.pi / 4) for name, x, y, side in places}
+
+
+@pytest.mark.parametrize(("lx", "ly"), [(0.2, 0.15), (0.15, 0.2), (0.3, 0.1)])
+def test_rollers_mounted_the_other_way_round_show_in_the_condition(lx, ly):
+    """The lever falls from lx + ly to |lx - ly|: condition 7 on 0.20 x 0.15 m (the papers' specification, part D)."""
+    right, wrong = Chassis(mecanum_base(lx, ly)), Chassis(mecanum_base(lx, ly, -1))
+    assert right.characteristic_length == wrong.characteristic_length == pytest.approx(lx + ly)
+    assert right.condition == pytest.approx(1.0)
+    assert wrong.condition == pytest.approx((lx + ly) / abs(lx - ly))
+
+
+def test_nearly_square_bases_with_crossed_rollers_warn():
+    chassis = Chassis(mecanum_base(0.2, 0.18, -1))
+    assert chassis.condition == pytest.approx(19.0)
+    assert "is above 10" in chassis.warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "condition"),
+    [("hybrid3", 4.540015197), ("mecanum4", 1.0), ("polimi_mecanum4", 1.0), ("omni3", math.sqrt(2)),
+     ("optiodom_omni3", math.sqrt(2)), ("omni4", math.sqrt(2)), ("swerve3", 1.0), ("swerve4", 1.0)],
+)  # fmt: skip
+def test_the_catalogs_conditions_are_the_specifications(name, condition):
+    assert Chassis.of(robots.load(name)).condition == pytest.approx(condition, rel=1e-9)
+
+
+def test_three_wheels_on_one_line_are_told_so():
+    """Three identical wheels push along one line: no point of it is where they meet."""
+    wheel = Wheel.omni(0.2, 0.1, math.pi / 2, 0.05)
+    said = (
+        r"cannot move forwards or back \(along x\); it cannot turn about any point of one line: "
+        r"the push axes of wheel1, wheel2, wheel3 lie on one line, at 90 deg through \(0\.2, 0\) m"
+    )
+    with pytest.raises(ChassisError, match=said):
+        Chassis([wheel] * 3)
+    along = [Wheel.omni(0.1 * k, 0.1 * k, math.pi / 4, 0.05) for k in (-1, 0.5, 1)]
+    with pytest.raises(
+        ChassisError, match=r"at 135\.0 deg; it cannot turn about any point of one line.*at 45 deg through \(0, 0\) m"
+    ):
+        Chassis(along)
+    fixed_on_module = [Wheel.swerve(0.1, 0.0, 0.05), Wheel.omni(0.1, 0.0, 0.3, 0.05), Wheel.omni(0.1, 0.0, 0.3, 0.05)]
+    with pytest.raises(ChassisError, match=r"all meet in \(0\.1, 0\)"):
+        Chassis(fixed_on_module)
 
 
 def test_rollers_at_30_degrees_make_the_hybrid_singular():
