@@ -14,9 +14,11 @@ _SERIES = 1e-2  # rad: below this, series of four terms are exact to the last bi
 
 
 def wrap(angle: ArrayLike) -> Array:
-    """Angle(s) [rad] in (-pi, pi]; both +pi and -pi give +pi."""
-    angle = np.asarray(angle, dtype=np.float64)
-    return np.asarray(angle - 2.0 * np.pi * np.ceil((angle - np.pi) / (2.0 * np.pi)))
+    """Angle(s) [rad] in (-pi, pi]; both +pi and -pi give +pi, an angle in range stays as it is to the last bit."""
+    # all three steps are exact in floating point, so nothing leaves the range by rounding
+    rest = np.fmod(np.asarray(angle, dtype=np.float64), 2.0 * np.pi)
+    turns = np.where(rest > np.pi, -2.0 * np.pi, np.where(rest <= -np.pi, 2.0 * np.pi, -0.0))
+    return np.asarray(rest + turns)
 
 
 def compose(a: ArrayLike, b: ArrayLike) -> Array:

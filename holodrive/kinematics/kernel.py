@@ -16,7 +16,8 @@ import numpy as np
 from numba import njit
 
 from holodrive.kinematics.chassis import Chassis
-from holodrive.kinematics.settings import GOAL, HOLD_SPEED, HYSTERESIS, SLOW_DOWN_ROUNDS, TIGHT
+from holodrive.kinematics.settings import BAND as FLIP_BAND
+from holodrive.kinematics.settings import FLIP_SLACK, GOAL, HOLD_SPEED, SLOW_DOWN_ROUNDS, TIGHT
 from holodrive.types import Array
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ def arrays(robot: "Robot | Chassis", limits: "Limits | None" = None) -> Kinemati
         kin[SPEED : YAW_ACCEL + 1] = [
             limits.speed_m_s, limits.yaw_rate_rad_s, limits.accel_m_s2, limits.yaw_accel_rad_s2
         ]  # fmt: skip
-    kin[HOLD], kin[BAND] = HOLD_SPEED, HYSTERESIS
+    kin[HOLD], kin[BAND] = HOLD_SPEED, FLIP_BAND
     for i, (wheel, row) in enumerate(zip(chassis.wheels, chassis.row, strict=True)):
         block = kin[WHEELS + BLOCK * i :][:BLOCK]
         rim, rows = (1.0, 2) if wheel.steered else (wheel.radius, 1)
@@ -257,7 +258,7 @@ def drive_modules(kin: Array, dt: float, memory: Array, first: Array, second: Ar
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def flips(turn: float, sign: float, flip_together: bool, band: float) -> bool:
-    """Whether a module drives backwards: strictly above 90 degrees, later or sooner by what it did before."""
+    """Whether a module drives backwards: above 90 degrees, later or sooner by what it did before."""
     error = abs(turn) - 0.5 * math.pi
     if sign == 0.0 and abs(error) <= band:
         return flip_together
@@ -279,13 +280,18 @@ def joint_flip(kin: Array, memory: Array, first: Array, second: Array) -> bool:
         error = abs(wrap(math.atan2(across, along) - memory[STEER + j])) - 0.5 * math.pi
         if abs(error) <= kin[BAND]:
             total += error
-    return total > 0.0
+    return total > FLIP_SLACK
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def wrap(angle: float) -> float:
-    """Angle [rad] in [-pi, pi]."""
-    return float(angle - 2.0 * math.pi * np.round(angle / (2.0 * math.pi)))
+    """Angle [rad] in (-pi, pi]; one in range stays as it is to the last bit."""
+    turns = np.round(angle / (2.0 * math.pi))
+    rest = angle - 2.0 * math.pi * turns if turns != 0.0 else angle
+    # rounding may leave it outside by some last digits
+    if rest > math.pi:
+        return float(rest - 2.0 * math.pi)
+    return float(rest + 2.0 * math.pi) if rest <= -math.pi else float(rest)
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)

@@ -6,7 +6,7 @@ from math import sqrt, tan
 from typing import TYPE_CHECKING, Any
 
 from holodrive.kinematics.scalar import compile_functions, function, linear_maps, times
-from holodrive.kinematics.settings import GOAL, HOLD_SPEED, HYSTERESIS, SLOW_DOWN_ROUNDS, TIGHT
+from holodrive.kinematics.settings import BAND, FLIP_SLACK, GOAL, HOLD_SPEED, SLOW_DOWN_ROUNDS, TIGHT
 from holodrive.robots.spec import Limits
 
 if TYPE_CHECKING:
@@ -266,7 +266,7 @@ def _module_lines(chassis: "Chassis") -> list[str]:
 def _one_module_lines(i: int, j: int, contact: tuple[str, str], per_radius: float, rate: float) -> list[str]:
     """One module. A moving one (g = +-1) keeps its drive sign until the turn for it is beyond 90 deg + hysteresis."""
     along, across = contact
-    far = math.pi / 2 + HYSTERESIS
+    far = math.pi / 2 + BAND
     lines = [
         f"u = sqrt(q{i})",
         f"if u < {HOLD_SPEED!r}:",
@@ -281,7 +281,7 @@ def _one_module_lines(i: int, j: int, contact: tuple[str, str], per_radius: floa
         "    else:",
         f"        turn, g{j} = remainder(atan2({across}, {along}) - s{j}, {math.tau!r}), 1.0",
         f"        error = abs(turn) - {math.pi / 2!r}",
-        f"        if error > 0.0 if abs(error) > {HYSTERESIS!r} else together:",
+        f"        if error > 0.0 if abs(error) > {BAND!r} else together:",
         f"            turn, g{j} = turn - ({math.pi!r} if turn > 0.0 else {-math.pi!r}), -1.0",
     ]
     if not math.isfinite(rate):
@@ -309,9 +309,9 @@ def joint(modules: Sequence[tuple[float, float, float, float]]) -> bool:
         if sign != 0.0 or along * along + across * across < HOLD_SPEED * HOLD_SPEED:
             continue
         error = abs(math.remainder(math.atan2(across, along) - now, math.tau)) - math.pi / 2
-        if abs(error) <= HYSTERESIS:
+        if abs(error) <= BAND:
             total += error
-    return total > 0.0
+    return total > FLIP_SLACK
 
 
 def _largest(terms: Sequence[str]) -> str:

@@ -4,6 +4,8 @@ import math
 
 HOLD_SPEED = 1e-3  # m/s: a module whose contact is slower keeps its angle
 HYSTERESIS = math.radians(5.0)  # a module changes its mind about driving backwards this far from 90 degrees
+FLIP_SLACK = 1e-9  # rad: far more than rounding, far less than any encoder tells; square to rounding is square
+BAND = HYSTERESIS + FLIP_SLACK
 TIGHT = 1e-9
 GOAL = 1.0 - TIGHT  # a saturated wheel runs at this share of its limit, to TIGHT
 SLOW_DOWN_ROUNDS = 6

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holodrive.geometry import wrap
-from holodrive.kinematics.settings import HOLD_SPEED
+from holodrive.kinematics.settings import FLIP_SLACK, HOLD_SPEED
 from holodrive.types import Array
 
 
@@ -22,7 +22,7 @@ def optimise(
         angle: (...) wanted direction of it [rad].
         current: (...) where the module points [rad].
         hysteresis: how far beyond 90 degrees the error goes before a module changes between forwards and
-            backwards [rad]; 0 flips strictly above 90 degrees.
+            backwards [rad]; 0 flips above 90 degrees (and 1e-9 rad for rounding).
         sign: (...) +1 where the module goes forwards now, -1 backwards, 0 at rest; matters with hysteresis only.
 
     Returns:
@@ -32,7 +32,9 @@ def optimise(
         *(np.asarray(value, dtype=np.float64) for value in (speed, angle, current, sign))
     )
     error = np.abs(wrap(angle - current)) - np.pi / 2
-    flip = error > hysteresis * sign
+    band = hysteresis * sign
+    # who stands on the edge but for rounding keeps driving as it does
+    flip = error > band + np.where(band < 0.0, -FLIP_SLACK, FLIP_SLACK)
     return np.where(flip, -speed, speed), wrap(np.where(flip, angle + np.pi, angle))
 
 

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from holodrive import geometry as g
+from holodrive.kinematics import kernel
 
 mp.mp.dps = 50
 
@@ -101,6 +102,40 @@ def test_minus_pi_and_plus_pi_are_plus_pi():
     assert g.wrap(-math.pi) == math.pi
     assert g.wrap(math.pi) == math.pi
     assert g.log([0.0, 0.0, -math.pi])[2] == math.pi
+
+
+def near_turns():
+    """The 40 floats around each multiple of pi up to 50 half turns, and large angles."""
+    found = []
+    for k in range(-50, 51):
+        low = high = k * math.pi
+        for _ in range(20):
+            low, high = math.nextafter(low, -math.inf), math.nextafter(high, math.inf)
+            found += [low, high]
+    return np.array([*found, 1e9, -1e9, 1e15, -1e15, 1e300, -1e300])
+
+
+@pytest.mark.parametrize("wrap", [g.wrap, np.vectorize(kernel.wrap)])
+def test_wrap_never_leaves_its_range_by_a_last_digit(wrap):
+    angles = near_turns()
+    angles = angles if wrap is g.wrap else angles[np.abs(angles) < 1e6]
+    wrapped = wrap(angles)
+    assert np.all((wrapped > -math.pi) & (wrapped <= math.pi))
+
+
+@pytest.mark.parametrize("wrap", [g.wrap, np.vectorize(kernel.wrap)])
+@given(angle=st.floats(-math.pi, math.pi, exclude_min=True))
+def test_wrap_leaves_an_angle_in_range_as_it_is_bit_for_bit(wrap, angle):
+    assert float(wrap(angle)).hex() == angle.hex()
+
+
+@pytest.mark.parametrize("wrap", [g.wrap, kernel.wrap])
+def test_wrap_at_the_edges_of_its_range(wrap):
+    assert wrap(-3.1415926535897927) == -3.1415926535897927
+    assert wrap(math.nextafter(math.pi, 4.0)) == -3.1415926535897927
+    assert wrap(-math.pi) == math.pi
+    assert math.copysign(1.0, wrap(-0.0)) == -1.0
+    assert math.isnan(wrap(math.nan))
 
 
 def test_headings_count_turns():

@@ -14,6 +14,7 @@ from holodrive.kinematics import Chassis, Wheel, kernel, swerve
 from holodrive.kinematics.discretise import discretise
 from holodrive.kinematics.limits import desaturate, loads
 from holodrive.kinematics.pipeline import CommandPipeline
+from holodrive.kinematics.settings import HYSTERESIS
 from holodrive.robots.spec import Limits
 from holodrive.types import WheelCommand
 
@@ -202,6 +203,65 @@ def test_flips_have_hysteresis_but_a_fresh_module_decides_at_90_degrees():
     assert steer_of(-179.0, -179.0 + 92.0) == pytest.approx((93.0, -10.0))  # and stays backwards
     fresh = CommandPipeline(one_module())
     assert fresh.step((math.cos(1.58), math.sin(1.58), 0.0), 0.01).steer == pytest.approx([1.58 - math.pi] * 2)
+
+
+def exactly_square():
+    """(goal, now) [rad] for every whole degree and some turns, 90 degrees apart but for rounding."""
+    return [
+        (math.radians(now + side * 90 + 360 * turns), math.radians(now))
+        for now in range(-180, 181)
+        for side in (-1, 1)
+        for turns in (-1, 0, 1)
+    ]
+
+
+def test_rounding_does_not_decide_at_90_degrees():
+    """A module square to its goal keeps driving forwards: in the batch, plain floats and the kernel alike."""
+    chassis = one_module()
+    kin = kernel.arrays(chassis)
+    for goal, now in exactly_square():
+        for sign in (-1.0, 0.0, 1.0):
+            assert swerve.optimise(1.0, goal, now, sign=sign)[0] == 1.0
+        pipeline = CommandPipeline(chassis)
+        pipeline.reset([now, now])
+        command = pipeline.step((math.cos(goal), math.sin(goal), 0.0), 0.01)
+        speeds, steer, memory = np.zeros(2), np.zeros(2), np.array([0.0, 0.0, 0.0, now, now, 0.0, 0.0])
+        kernel.command_step(kin, np.array([math.cos(goal), math.sin(goal), 0.0]), 0.01, memory, speeds, steer)
+        assert np.all(np.asarray(command.speeds) > 0.0)
+        assert np.all(speeds > 0.0)
+        np.testing.assert_allclose(steer, command.steer, rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_rounding_does_not_decide_at_the_edge_of_the_hysteresis(sign):
+    """At 90 degrees + `sign` 5 degrees a moving module keeps its drive sign, in all three faces."""
+    chassis = one_module()
+    kin, edge = kernel.arrays(chassis), math.pi / 2 + sign * HYSTERESIS
+    for degrees in range(-180, 181):
+        now = math.radians(degrees)
+        goal = now + edge
+        assert swerve.optimise(1.0, goal, now, hysteresis=HYSTERESIS, sign=sign)[0] == sign
+        pipeline, speeds, steer = CommandPipeline(chassis), np.zeros(2), np.zeros(2)
+        pipeline.reset([now, now])
+        memory = np.array([0.0, 0.0, 0.0, now, now, 0.0, 0.0])
+        for angle in (now if sign > 0 else now + math.pi, goal):
+            twist = (math.cos(angle), math.sin(angle), 0.0)
+            command = pipeline.step(twist, 0.01)
+            kernel.command_step(kin, np.array(twist), 0.01, memory, speeds, steer)
+        assert np.all(np.sign(command.speeds) == sign)
+        assert np.all(np.sign(speeds) == sign)
+
+
+@pytest.mark.parametrize("beyond", [-1e-6, 1e-6])
+def test_a_little_beyond_90_degrees_flips_and_a_little_before_does_not(beyond):
+    goal = math.pi / 2 + beyond
+    expected = -1.0 if beyond > 0.0 else 1.0
+    assert swerve.optimise(1.0, goal, 0.0)[0] == expected
+    command = CommandPipeline(one_module()).step((math.cos(goal), math.sin(goal), 0.0), 0.01)
+    speeds, steer, kin = np.zeros(2), np.zeros(2), kernel.arrays(one_module())
+    kernel.command_step(kin, np.array([math.cos(goal), math.sin(goal), 0.0]), 0.01, np.zeros(7), speeds, steer)
+    assert np.all(np.sign(command.speeds) == expected)
+    assert np.all(np.sign(speeds) == expected)
 
 
 def test_modules_about_square_to_their_goal_flip_all_or_none():
