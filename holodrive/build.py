@@ -164,12 +164,19 @@ def rollout(
     """
     from holodrive import sim
 
+    described = load(robot)
     place = [_world(one) for one in world] if isinstance(world, list | tuple) else _world(world)  # type: ignore[arg-type]
-    if isinstance(controller, str):
-        controller = control.plug(controller, params if isinstance(params, dict) else None)
-    believer = estimation.plug(estimator) if isinstance(estimator, str) else estimator
     packed = None if isinstance(params, dict) else params
-    return sim.rollout(load(robot), place, controller, estimator=believer, n=n, params=packed, **options)
+    if isinstance(controller, str):
+        given = params if isinstance(params, dict) else None
+        worlds_goals = "reference" not in options and "goals" not in options
+        places = place if isinstance(place, list) else [place]
+        plugs = [control.plug(controller, _arrival(one, controller, given, worlds_goals)) for one in places]
+        controller = plugs[0]
+        if packed is None and len(plugs) > 1:
+            packed = np.array([plug.pack(described) for plug in plugs])
+    believer = estimation.plug(estimator) if isinstance(estimator, str) else estimator
+    return sim.rollout(described, place, controller, estimator=believer, n=n, params=packed, **options)
 
 
 class Rerun(NamedTuple):

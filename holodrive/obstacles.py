@@ -158,7 +158,7 @@ def mover_at(obstacles, at, time):  # type: ignore[no-untyped-def]
     """
     first = int(obstacles[FRAMES]) + FRAME * int(obstacles[at + 1])
     last = first + FRAME * (int(obstacles[at + 2]) - 1)
-    if obstacles[at + 3] != 0.0 and obstacles[at + 4] > 0.0:
+    if obstacles[at + 3] != 0.0 and obstacles[at + 4] > 0.0 and time > obstacles[first]:
         time = obstacles[first] + (time - obstacles[first]) % obstacles[at + 4]
     if time < obstacles[first] or first == last:
         return obstacles[first + 1], obstacles[first + 2], 0.0, 0.0
@@ -193,9 +193,12 @@ def _movers(movers: "tuple[Mover, ...]") -> tuple[list[Any], list[Any]]:
 
 
 def _fastest(movers: "tuple[Mover, ...]") -> float:
+    """Speed [m/s] that no mover exceeds; infinite when one jumps, as a loop does that ends elsewhere than it begins."""
     speeds = [
         math.hypot(b.x - a.x, b.y - a.y) / (b.time - a.time) if b.time > a.time else math.inf
         for mover in movers
         for a, b in zip(mover.path, mover.path[1:], strict=False)
     ]
-    return max(speeds, default=0.0)
+    ends = [(mover.path[0], mover.path[-1]) for mover in movers if mover.loop]
+    jumps = any((first.x, first.y) != (last.x, last.y) for first, last in ends)
+    return math.inf if jumps else max(speeds, default=0.0)

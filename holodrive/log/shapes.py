@@ -34,7 +34,8 @@ def mover_place(mover: Mover, time: Array) -> Array:
     frames = np.array([(k.time, k.x, k.y) for k in mover.path], dtype=np.float64)
     time = np.asarray(time, dtype=np.float64)
     if mover.loop and frames[-1, 0] > frames[0, 0]:
-        time = frames[0, 0] + np.mod(time - frames[0, 0], frames[-1, 0] - frames[0, 0])
+        again = frames[0, 0] + np.mod(time - frames[0, 0], frames[-1, 0] - frames[0, 0])
+        time = np.where(time > frames[0, 0], again, time)
     return np.stack([np.interp(time, frames[:, 0], frames[:, i]) for i in (1, 2)], axis=-1)
 
 

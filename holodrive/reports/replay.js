@@ -57,7 +57,7 @@
 
   function place(mover, t) {
     const path = mover.path, first = path[0][0], last = path[path.length - 1][0];
-    if (mover.loop && last > first) t = first + ((((t - first) % (last - first)) + (last - first)) % (last - first));
+    if (mover.loop && last > first && t > first) t = first + ((((t - first) % (last - first)) + (last - first)) % (last - first));
     if (t <= first) return path[0].slice(1);
     for (let i = 1; i < path.length; i++) {
       if (t <= path[i][0]) {

@@ -146,7 +146,8 @@ def rollout(
     ticks = max(1, round(t / robot.control_period_s))
     rows = -(-ticks // log_every) if log_every else 0
     columns = log_columns(robot)
-    kind, table, bounds = _references(reference, goals, places, n)
+    begin = _starts(starts, places, n)
+    kind, table, bounds = _references(reference, goals, places, begin, n)
     plugs = (compile_plug(controller), compile_plug(estimator) if estimator else compiled.no_plug)
     sizes = (
         controller.memory_size(robot),
@@ -156,11 +157,12 @@ def rollout(
     log = np.full((n, rows, len(columns)), math.nan)
     accs, states = np.zeros((n, metrics.SIZE)), np.zeros((n, st.SIZE))
     events = np.zeros((n, MAX_EVENTS, st.EVENT_SIZE))
-    own = _packed(controller, robot) if params is None else params
+    default = _packed(controller, robot)
+    own = default if params is None else params
     shared = (
-        _starts(starts, places, n),
+        begin,
         np.array([key_of(seed, first + i) for i in range(n)], dtype=np.uint64),
-        _rows(own, n, "params"),
+        _rows(own, n, "params", len(default)),
         _packed(estimator, robot) if estimator else np.zeros(1),
         np.array(sizes, dtype=np.int64),
         table,
@@ -259,7 +261,7 @@ def _in_threads(run: Any, jobs: list[Any], workers: int) -> None:
 
 
 def _references(
-    reference: references.Table | None, goals: ArrayLike | None, places: list[World | None], n: int
+    reference: references.Table | None, goals: ArrayLike | None, places: list[World | None], starts: Array, n: int
 ) -> tuple[int, Array, Any]:
     """Kind, rows of all robots, and which rows are whose."""
     if reference is not None and goals is not None:
@@ -271,6 +273,8 @@ def _references(
         if missing := [place.name if place else "the open floor" for place in places if not (place and place.goal)]:
             raise InputError(f"{missing[0]} has no goal; give reference=... or goals=(x, y, theta)")
         goals = np.array([place.goal.pose for place in places if place and place.goal])
+        free = np.array([not place.goal.heading_matters for place in places if place and place.goal])
+        goals[free, 2] = starts[free, 2]  # a goal that asks for no heading leaves the robot its own
     rows = np.zeros((n, len(_ROW)))
     rows[:, 1:4] = _finite(_rows(goals, n, "goals", 3), "goals")
     firsts = np.arange(n, dtype=np.int64)

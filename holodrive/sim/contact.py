@@ -35,8 +35,12 @@ def keep_outside(model, obstacles, state, events, time):  # type: ignore[no-unty
         if gap >= 0.0:
             break
         tell(model, state, events, time, nx, ny, vx, vy, number)
-        state[st.POSE] += (MARGIN - gap) * nx
-        state[st.POSE + 1] += (MARGIN - gap) * ny
+        push = MARGIN - gap
+        state[st.POSE] += push * nx
+        state[st.POSE + 1] += push * ny
+        c, s = math.cos(state[st.POSE + 2]), math.sin(state[st.POSE + 2])
+        state[st.PUSHED] += push * (c * nx + s * ny)
+        state[st.PUSHED + 1] += push * (c * ny - s * nx)
         block(state, nx, ny, vx, vy)
         gap = MARGIN
     state[st.FREE] = gap

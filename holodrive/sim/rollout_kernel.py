@@ -148,7 +148,8 @@ def run_robot(  # type: ignore[no-untyped-def]
         metrics.count_duty(acc, duty)
         if log.shape[0] > 0 and k % log_every == 0:
             write_log(model, state, obs, log[k // log_every])
-        acc[metrics.ARRIVED] = command[layout.ARRIVED]
+        if command[layout.ARRIVED] != 0.0:
+            acc[metrics.ARRIVED] = 1.0
         if stop_on_arrival and command[layout.ARRIVED] != 0.0:
             break
     acc[metrics.COLLISIONS], acc[metrics.MOVED_COLLISIONS] = state[st.COLLISIONS], state[st.MOVED_COLLISIONS]

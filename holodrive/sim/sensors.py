@@ -92,8 +92,8 @@ def read_mice(model, state, key):  # type: ignore[no-untyped-def]
     for k in range(int(model[md.MICE])):
         m = int(model[md.MICE_AT]) + k * md.MOUSE
         # a sensor's displacement is linear in the body's, so that the integral over the period is enough
-        dx = state[st.MOVED] - state[st.MOVED + 2] * model[m + md.MOUSE_Y]
-        dy = state[st.MOVED + 1] + state[st.MOVED + 2] * model[m + md.MOUSE_X]
+        dx = state[st.MOVED] + state[st.PUSHED] - state[st.MOVED + 2] * model[m + md.MOUSE_Y]
+        dy = state[st.MOVED + 1] + state[st.PUSHED + 1] + state[st.MOVED + 2] * model[m + md.MOUSE_X]
         c, s = math.cos(model[m + md.MOUSE_THETA]), math.sin(model[m + md.MOUSE_THETA])
         noise, resolution = model[m + md.MOUSE_NOISE], model[m + md.MOUSE_COUNT]
         for axis in range(2):
@@ -107,6 +107,7 @@ def read_mice(model, state, key):  # type: ignore[no-untyped-def]
             count = math.floor(total)
             state[st.MICE_CARRY + at] = total - count
             state[st.MICE + at] = count * resolution
+    state[st.PUSHED] = state[st.PUSHED + 1] = 0.0
 
 
 @leaf

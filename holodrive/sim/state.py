@@ -30,6 +30,7 @@ SCANS = 39  # scans finished
 SCAN_IS_NEW = 40  # 1.0 at the tick at which a scan arrived
 SCAN_TIME = 41  # s
 NEXT_BEAM = 42  # beams taken so far of the scan under way
+PUSHED = 43  # 2: how far contacts have moved the robot since the last tick [m], body axes
 
 WHEEL_SPEED = 48  # n: rad/s
 WHEEL_ANGLE = WHEEL_SPEED + MAX_WHEELS  # n: rad

@@ -37,3 +37,17 @@ def test_the_roll_out_and_the_ordinary_loop_drive_the_same_run(name, robot, plan
     np.testing.assert_allclose(log[:count, 1:4], loop.pose, atol=1e-9)
     np.testing.assert_allclose(log[:count, 4:7], loop.estimate, atol=1e-9)
     np.testing.assert_allclose(log[:count, 7:10], loop.reference, atol=1e-12)
+
+
+@pytest.mark.parametrize("world", ["paper_course", "crossing"])
+def test_a_worlds_goal_and_tolerance_mean_the_same_to_the_roll_out_and_the_loop(world):
+    """Where no heading is asked for, the robot keeps its own; how near is there is the world's word."""
+    loop = hd.drive(hd.simulate("omni4", world, seed=2), duration_s=20.0)
+    rolled = hd.rollout("omni4", world, n=1, seed=2, t=20.0, stop_on_arrival=True)
+    for name in ("arrived", "time_s", "final_error_m", "final_heading_error_rad", "collisions", "min_clearance_m"):
+        assert rolled.metrics[name][0] == pytest.approx(loop.metrics[name], abs=1e-9), name
+
+
+def test_parameters_of_the_wrong_width_are_refused_before_anything_runs():
+    with pytest.raises(hd.HolodriveError, match="params has shape"):
+        hd.rollout("hybrid3", "room", params=[1.0, 1.0], t=1.0)

@@ -12,7 +12,7 @@ from holodrive.kinematics import Chassis
 from holodrive.obstacles import clearance
 from holodrive.sim import SimBase
 from holodrive.types import DutyCommand
-from holodrive.worlds.spec import Box, Circle, KeyFrame, Mover, World
+from holodrive.worlds.spec import Box, Circle, KeyFrame, Mover, Segment, World
 
 QUICK = with_motor(hybrid(), lag_s=0.0)
 PLANTS = pytest.mark.parametrize("plant", ["first_order", "slip"])
@@ -115,3 +115,37 @@ def test_movers_wait_at_the_ends_of_their_path_or_start_again():
     ):
         world = World("m", movers=(Mover(0.25, path, loop),))
         assert clearance(world, [time], [wanted], 0.0)[0] == pytest.approx(-0.25)
+
+
+@pytest.mark.parametrize("plant", ["first_order", "slip"])
+def test_mice_see_the_ground_pass_even_while_a_wall_holds_the_robot(plant):
+    """Wheels turn on against the wall; what the mice count is where the robot went."""
+    import holodrive as hd
+
+    world = World("wall", size=(4.0, 4.0), corner=(-2.0, -2.0), segments=(Segment(0.5, -2.0, 0.5, 2.0),))
+    base = hd.simulate("mecanum4", world, plant=plant)
+    way = np.zeros(2)
+    for _ in range(1500):
+        base.apply(hd.WheelCommand((2.0,) * 4))
+        way += base.observe().mice[0]
+    assert base.truth.x < 0.45
+    np.testing.assert_allclose(way, base.truth[:2], atol=2e-3)
+
+
+def test_a_loop_that_jumps_cannot_jump_through_a_robot_unseen():
+    """The path ends elsewhere than it begins, so the mover is back at its start at once, where the robot stands."""
+    import holodrive as hd
+
+    path = (KeyFrame(0.0, 0.2, 0.0), KeyFrame(5.0, 8.0, 0.0))
+    world = World("loop", movers=(Mover(0.2, path, loop=True),))
+    base = hd.simulate("omni4", world, start=(-3.0, 0.0, 0.0))
+    run = hd.drive(base, goal=(0.0, 0.0), duration_s=40.0, stop_on_arrival=False)
+    assert run.metrics["collisions"] > 0
+    assert run.metrics["min_clearance_m"] > -1e-6
+
+
+def test_a_loop_waits_at_its_first_key_frame_until_it_begins():
+    path = (KeyFrame(2.0, 1.0, 0.0), KeyFrame(4.0, 3.0, 0.0), KeyFrame(6.0, 1.0, 0.0))
+    world = World("late", movers=(Mover(0.2, path, loop=True),))
+    gaps = clearance(world, np.array([0.0, 1.0, 2.0, 4.0, 6.0, 8.0]), np.zeros((6, 2)), 0.0)
+    np.testing.assert_allclose(gaps, [0.8, 0.8, 0.8, 2.8, 0.8, 2.8], atol=1e-9)

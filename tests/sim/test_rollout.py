@@ -26,7 +26,7 @@ COURSE = World(
     "course",
     size=(4.0, 3.0),
     corner=(-1.0, -1.5),
-    goal=Goal(Pose(2.0, 0.6, 1.0)),
+    goal=Goal(Pose(2.0, 0.6, 1.0), heading_matters=True),
     circles=(Circle(1.0, -0.9, 0.3), Circle(1.2, 0.9, 0.2)),
     movers=(Mover(0.15, (KeyFrame(0.0, 1.5, -1.0), KeyFrame(8.0, 1.5, 1.0)), loop=True),),
 )
@@ -227,7 +227,7 @@ def test_faults_of_the_call_say_what_is_allowed():
         ("has no goal", {"world": World("bare")}),
         ("n >= 1", {"n": 0}),
         ("one world or 3", {"n": 3, "world": [COURSE, COURSE]}),
-        (r"expected \(p,\) or \(2, p\)", {"n": 2, "params": np.zeros((3, 1))}),
+        (r"expected \(10,\) or \(2, 10\)", {"n": 2, "params": np.zeros((3, 1))}),
         (r"expected \(3,\) or \(2, 3\)", {"n": 2, "starts": np.zeros((2, 2))}),
         ("not both", {"goals": (0.0, 0.0, 0.0), "reference": references.fixed_goal((0.0, 0.0, 0.0))}),
         ("divide the control period", {"dt": 0.003}),
