@@ -24,7 +24,7 @@ from holodrive.kinematics.chassis import Chassis
 from holodrive.types import Array
 
 if TYPE_CHECKING:
-    from holodrive.robots.spec import Imu, Robot
+    from holodrive.robots.spec import Robot
 
 # --- params -------------------------------------------------------------------------------------
 GYRO_WEIGHT = 0  # share of the gyro in the turn; below 0: by variances
@@ -106,16 +106,20 @@ class WheelOdometry:
         if len(noise) not in (1, n):
             raise InputError(f"wheel odometry: wheel_noise has {len(noise)} values, the robot {n} wheels")
         weight = -1.0 if self.gyro_weight is None else self.gyro_weight
-        gyro = _gyro_noise(getattr(robot, "imu", None)) if self.gyro_noise is None else self.gyro_noise
+        gyro = _gyro_noise(robot) if self.gyro_noise is None else self.gyro_noise
         radii = np.array([wheel.radius for wheel in robot.wheels])
         head = [weight, gyro**2, self.steer_at, self.jump_factor, n, len(robot.steered)]
         return np.concatenate([head, np.broadcast_to(noise**2, n), (self.side_noise * radii) ** 2, arrays])
 
 
-def _gyro_noise(imu: "Imu | None") -> float:
-    if imu is None:
+def _gyro_noise(robot: "Robot | Chassis") -> float:
+    """Standard deviation of the gyro's heading after 1 s [rad]."""
+    if isinstance(robot, Chassis) or robot.imu is None:
         return 0.005
-    return math.sqrt(imu.gyro_noise_rad_s**2 / imu.rate_hz + imu.gyro_bias_rad_s**2 * _BIAS_S)
+    imu = robot.imu
+    # of a faster IMU only the newest sample of each tick counts, and it counts for the whole tick
+    rate_hz = min(imu.rate_hz, 1.0 / robot.control_period_s)
+    return math.sqrt(imu.gyro_noise_rad_s**2 / rate_hz + imu.gyro_bias_rad_s**2 * _BIAS_S)
 
 
 @njit(cache=True, error_model="numpy")

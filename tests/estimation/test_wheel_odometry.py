@@ -1,6 +1,7 @@
 """Claims about wheel odometry: laws first."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from holodrive.errors import InputError
 from holodrive.estimation import Odometry, WheelOdometry, track
 from holodrive.estimation.odometry import Counts
 from holodrive.kinematics import Chassis, Wheel
+from holodrive.robots.spec import Imu
 from holodrive.types import Array, Pose, WheelState
 
 START = Pose(1.0, -2.0, 2.5)
@@ -222,6 +224,26 @@ def test_weighing_by_variances_makes_the_turn_surer_than_either_alone() -> None:
         variances[weight] = result.covariance[-1, 2, 2]
     assert variances[None] < min(variances[0.0], variances[1.0])
     assert variances[1.0] == pytest.approx(0.01**2 * 4.9)
+
+
+@pytest.mark.parametrize("imu_hz", [20.0, 100.0, 400.0, 1000.0])
+def test_the_gyros_noise_is_that_of_the_samples_that_control_sees(imu_hz: float) -> None:
+    """The variance it claims is the one of integrated samples, for an IMU slower and faster than control (100 Hz)."""
+    robot = replace(
+        robots.load("hybrid3"), imu=Imu("imu", rate_hz=imu_hz, gyro_noise_rad_s=0.02), control_period_s=0.01
+    )
+    rng = np.random.default_rng(8)
+    # control sees the newest sample; a slow IMU's stays for several ticks
+    ticks = np.arange(101)
+    newest = np.floor(ticks * 0.01 * imu_hz + 1e-9).astype(int)
+    params = WheelOdometry(gyro_weight=1.0)
+    headings = []
+    for _ in range(400):
+        gyro = rng.normal(0.0, 0.02, newest[-1] + 1)[newest]
+        result = track(robot, 0.01 * ticks, np.zeros((101, 3)), gyro=gyro, params=params)
+        headings.append(result.pose[-1, 2])
+    claimed = math.sqrt(result.covariance[-1, 2, 2])
+    assert np.std(headings) == pytest.approx(claimed, rel=0.12)
 
 
 # --- bad samples ------------------------------------------------------------------------------------
