@@ -7,13 +7,15 @@ microseconds a tick where encoding message by message costs tens.
 
 import struct
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from holodrive.log import schemas
+from holodrive.log import schemas, sensing
 from holodrive.log.cdr import Template
 from holodrive.log.rows import FIXED, SEQUENCES, Columns
+from holodrive.robots.spec import Robot
 from holodrive.types import Array
 
 MESSAGE = 0x05  # opcode of an MCAP message record
@@ -45,9 +47,11 @@ SCAN = ChannelSpec(11, "/holodrive/scan", schemas.SCAN)
 EVENT = ChannelSpec(12, "/holodrive/events", schemas.EVENT)
 DESCRIPTION = ChannelSpec(13, "/holodrive/description", schemas.STRING)
 METRICS = ChannelSpec(14, "/holodrive/metrics", schemas.STRING)
+IMU = ChannelSpec(15, "/imu", schemas.IMU)
+MICE = ChannelSpec(16, "/mice", schemas.MICE)
 CHANNELS = (
     *(TICK, ODOMETRY, TRUTH, COMMAND, JOINTS, JOINT_COMMANDS, REFERENCE, TRANSFORMS, TRANSFORMS_STATIC),
-    *(LASER_SCAN, SCAN, EVENT, DESCRIPTION, METRICS),
+    *(LASER_SCAN, SCAN, EVENT, DESCRIPTION, METRICS, IMU, MICE),
 )
 
 
@@ -87,31 +91,43 @@ class Block:
         return raw, raw.view(kind)
 
 
+class BlockKind(NamedTuple):
+    """Which messages a tick has: the true pose, a decided twist, an IMU's reading, those of mice."""
+
+    truth: bool
+    command: bool
+    imu: bool
+    mice: bool
+
+
 class TickBlock:
     """Writes rows as messages.
 
     Args:
         at: the row layout.
-        wheel_names, steer_names: joints, in the order of the robot's wheels.
-        truth: whether the true pose is known.
-        command: whether the controller decides twists.
+        robot: whose joints and sensors they are.
+        kind: which messages.
     """
 
-    def __init__(
-        self, at: Columns, wheel_names: list[str], steer_names: list[str], *, truth: bool, command: bool
-    ) -> None:
-        self._at, self._truth, self._command = at, truth, command
+    def __init__(self, at: Columns, robot: Robot, kind: BlockKind) -> None:
+        self._at, self._robot, self._kind = at, robot, kind
+        wheel_names = [wheel.name for wheel in robot.wheels]
+        steer_names = [f"{wheel_names[i]}_steer" for i in robot.steered]
         block = Block()
         block.add(TICK, tick_template(at))
         block.add(ODOMETRY, _odometry("odom", "base_link"))
-        if truth:
+        if kind.truth:
             block.add(TRUTH, _odometry("map", "base_link_truth"))
-        if command:
+        if kind.command:
             block.add(COMMAND, _twist())
         block.add(JOINTS, _joints(wheel_names, steer_names, effort=True))
         block.add(JOINT_COMMANDS, _joints(wheel_names, steer_names, effort=False))
         block.add(REFERENCE, _pose("map"))
         block.add(TRANSFORMS, transform("odom", "base_link"))
+        if kind.imu:
+            block.add(IMU, sensing.imu_template(robot))
+        if kind.mice:
+            block.add(MICE, sensing.mice_template(robot))
         self.block = block
 
     def encode(self, rows: Array, first: int) -> tuple[bytes, NDArray[np.uint64]]:
@@ -131,14 +147,18 @@ class TickBlock:
             if at.counts[name]:
                 out[f"1.{name}"] = rows[:, at[name]]
         _fill_odometry(out, 2, rows[:, at["estimate"]], rows[:, at["estimate_twist"]], rows[:, at["covariance"]])
-        if self._truth:
+        if self._kind.truth:
             _fill_odometry(out, 3, rows[:, at["truth"]], rows[:, at["true_twist"]])
-        if self._command:
+        if self._kind.command:
             decided = rows[:, at["decided_twist"]]
             out["4.linear"], out["4.angular"] = decided[:, :2], decided[:, 2:]
         self._fill_joints(out, rows)
         _fill_pose(out, 7, rows[:, at["reference"]])
         _fill_pose(out, 8, rows[:, at["estimate"]])
+        if self._kind.imu:
+            sensing.fill_imu(out, 15, self._robot, rows[:, at["gyro"]], rows[:, at["accel"]])
+        if self._kind.mice:
+            sensing.fill_mice(out, 16, rows[:, at["mice"]])
         return raw.tobytes(), stamps
 
     def _fill_joints(self, out: NDArray[np.void], rows: Array) -> None:

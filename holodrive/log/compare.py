@@ -12,6 +12,7 @@ CHANNELS = (
     *("time", "pose", "estimate", "covariance", "reference", "twist", "decided"),
     *("wheel_commands", "wheel_speeds", "steer_commands", "steer", "duty", "slip"),
 )
+SENSORS = ("gyro", "accel", "mice")
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,11 +37,17 @@ class Difference:
 def compare(a: Run, b: Run) -> tuple[Difference, ...]:
     """What differs between two runs, bit for bit; nothing for equal ones. NaN equals NaN.
 
-    Scans are compared as the log keeps them, in float32 and with stamps to a microsecond.
+    Scans are compared as the log keeps them, in float32 and with stamps to a microsecond. A sensor is compared where
+    both runs have it at all: older logs know no IMU and no mice.
     """
     found = [_arrays(name, a, b) for name in CHANNELS]
+    found += [_arrays(name, a, b) for name in SENSORS if _known(name, a) and _known(name, b)]
     found += [_scans(a.scans, b.scans), _events(a, b)]
     return tuple(difference for difference in found if difference is not None)
+
+
+def _known(name: str, run: Run) -> bool:
+    return not bool(np.isnan(getattr(run, name)).all())
 
 
 def _arrays(name: str, a: Run, b: Run) -> Difference | None:

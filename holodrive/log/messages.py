@@ -1,4 +1,4 @@
-"""Messages that are not of every tick: scans, events, texts, the mount of the lidar. Encoders and decoders."""
+"""Messages that are not of every tick: scans, events, texts, the mounts of sensors. Encoders and decoders."""
 
 import json
 import math
@@ -10,8 +10,11 @@ import numpy as np
 from holodrive.errors import LogError
 from holodrive.log.blocks import LASER_SCAN, SCAN, ChannelSpec
 from holodrive.log.cdr import Reader, Template
+from holodrive.log.sensing import IMU_FRAME, mouse_frame
+from holodrive.robots.spec import Robot
 from holodrive.types import Array, Event, Pose, Scan
 
+LASER_FRAME = "laser"
 _EVEN_RAD = 1e-6  # beams that lie this near to even steps are an even scan
 _EVEN_S = 1e-6
 
@@ -49,11 +52,20 @@ def decode_event(data: bytes) -> Event:
     return Event(time, kind, text, Pose(x, y, theta), extra)
 
 
-def encode_static_transforms(mount: Pose) -> bytes:
-    """tf2_msgs/TFMessage: `map` to `odom`, which start as one, and `base_link` to the lidar's frame."""
+def encode_static_transforms(robot: Robot) -> bytes:
+    """tf2_msgs/TFMessage: `map` to `odom`, and `base_link` to the frame of each sensor.
+
+    `odom` and `map` are one: an estimator starts at the robot's pose in the world, not at zero.
+    """
+    frames = [("map", "odom", Pose(0.0, 0.0, 0.0))]
+    if robot.lidar is not None:
+        frames.append(("base_link", LASER_FRAME, robot.lidar.mount))
+    if robot.imu is not None:
+        frames.append(("base_link", IMU_FRAME, robot.imu.mount))
+    frames += [("base_link", mouse_frame(mouse.name), mouse.mount) for mouse in robot.mice]
     message = Template()
-    message.count(2)
-    for parent, child, pose in (("map", "odom", Pose(0.0, 0.0, 0.0)), ("base_link", "laser", mount)):
+    message.count(len(frames))
+    for parent, child, pose in frames:
         message.stamp(0, 0)
         message.string(parent)
         message.string(child)
@@ -118,7 +130,7 @@ def decode_scan(data: bytes) -> Scan:
 def _laser_template(beams: int) -> tuple[bytes, tuple[int, int, int]]:
     """A LaserScan with nothing filled in, and where its stamp, its seven numbers and its ranges go."""
     message = Template()
-    message.header("laser")
+    message.header(LASER_FRAME)
     message.hole("numbers", "f4", 7)
     message.sequence("ranges", beams, "f4")
     message.count(0)

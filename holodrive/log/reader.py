@@ -10,14 +10,14 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from holodrive import robots, worlds
 from holodrive.errors import LogError
-from holodrive.log import blocks
+from holodrive.log import blocks, sensing
 from holodrive.log.blocks import CHANNELS, tick_template
-from holodrive.log.cdr import ENCAPSULATION
 from holodrive.log.messages import decode_event, decode_laser_scan, decode_scan, decode_text
-from holodrive.log.rows import Columns, columns_of, run_of_rows
+from holodrive.log.rows import columns_of, run_of_rows
 from holodrive.log.run import Run
 from holodrive.log.salvage import Salvage, salvage
 from holodrive.robots.spec import Robot
@@ -78,12 +78,12 @@ def read_content(path: Path) -> Content:
     if not data:
         raise LogError(f"{path}: the file is empty; a recording killed in its first moment leaves one, record again")
     found = salvage(data)
-    by_topic = _by_topic(found)
+    by_topic, stamps = _by_topic(found)
     unreadable = 0
     description = _description(path, by_topic.get(blocks.DESCRIPTION.topic, []), found)
     robot = robots.parse(description["robot"], f"{path}:robot.toml")
     world = worlds.parse(description["world"], f"{path}:world.toml") if description["world"] else None
-    rows, bad = _rows(by_topic.get(blocks.TICK.topic, []), columns_of(robot))
+    rows, bad = _rows(by_topic, stamps, robot)
     unreadable += bad
     scans, bad = _scans(by_topic, Pose(0.0, 0.0, 0.0) if robot.lidar is None else robot.lidar.mount)
     unreadable += bad
@@ -109,8 +109,8 @@ def read_bytes(path: Path) -> bytes:
         raise LogError(f"cannot read {path}: {os.strerror(error.errno or 0)}") from None
 
 
-def _by_topic(found: Salvage) -> dict[str, list[bytes]]:
-    """Messages of each topic of ours.
+def _by_topic(found: Salvage) -> tuple[dict[str, list[bytes]], dict[str, list[int]]]:
+    """Messages of each topic of ours, and their log times [ns].
 
     Where a channel's record is lost or damaged, its number tells the topic: it is the same in all our files.
     """
@@ -120,9 +120,12 @@ def _by_topic(found: Salvage) -> dict[str, list[bytes]]:
     claimed = set(topics.values())
     topics |= {n: topic for n, topic in usual.items() if n not in topics and topic not in claimed}
     out: dict[str, list[bytes]] = {}
-    for channel, _, data in found.messages:
-        out.setdefault(topics.get(channel, ""), []).append(data)
-    return out
+    stamps: dict[str, list[int]] = {}
+    for channel, stamp, data in found.messages:
+        topic = topics.get(channel, "")
+        out.setdefault(topic, []).append(data)
+        stamps.setdefault(topic, []).append(stamp)
+    return out, stamps
 
 
 def _description(path: Path, messages: list[bytes], found: Salvage) -> dict[str, str]:
@@ -146,19 +149,31 @@ def _description(path: Path, messages: list[bytes], found: Salvage) -> dict[str,
     raise LogError(f"{path}: no readable description of the robot ({_count(found)}); nothing can be told without it")
 
 
-def _rows(messages: list[bytes], at: Columns) -> tuple[Array, int]:
+def _rows(by_topic: Mapping[str, list[bytes]], stamps: Mapping[str, list[int]], robot: Robot) -> tuple[Array, int]:
     """Ticks (T, size), and how many messages have another form than this robot's."""
-    template = tick_template(at)
-    size = len(template.data)
-    good = [data for data in messages if len(data) == size and data[:4] == ENCAPSULATION]
-    rows = np.empty((len(good), at.size))
-    raw = np.frombuffer(b"".join(good), dtype=np.uint8).reshape(len(good), size)
+    at = columns_of(robot)
+    topic = blocks.TICK.topic
+    raw, good, holes = sensing.alike(by_topic.get(topic, []), tick_template(at))
+    rows = np.full((len(raw), at.size), np.nan)
     start = 0
-    for hole in template.holes:
-        column = raw[:, hole.offset : hole.offset + 8 * hole.count]
-        rows[:, start : start + hole.count] = np.ascontiguousarray(column).view("<f8")
+    for hole in holes.values():
+        rows[:, start : start + hole.count] = sensing.numbers(raw, hole)
         start += hole.count
-    return rows, len(messages) - len(good)
+    bad = len(good) - len(raw)
+    ticks = _stamps(stamps, topic)[good]
+    for channel, read_all, columns in (
+        (blocks.IMU, sensing.read_imu, slice(at["gyro"].start, at["accel"].stop)),
+        (blocks.MICE, sensing.read_mice, at["mice"]),
+    ):
+        values, good = read_all(by_topic.get(channel.topic, []), robot)
+        place = sensing.ticks_of(_stamps(stamps, channel.topic)[good], ticks)
+        rows[place[place >= 0], columns] = values[place >= 0]
+        bad += len(good) - len(values)
+    return rows, bad
+
+
+def _stamps(stamps: Mapping[str, list[int]], topic: str) -> NDArray[np.uint64]:
+    return np.array(stamps.get(topic, []), dtype=np.uint64)
 
 
 def _scans(by_topic: Mapping[str, list[bytes]], mount: Pose) -> tuple[tuple[Scan, ...], int]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from holodrive import robots, worlds
 from holodrive.errors import LogError
 from holodrive.log import blocks
-from holodrive.log.blocks import ChannelSpec, TickBlock, message_record, nanoseconds
+from holodrive.log.blocks import BlockKind, ChannelSpec, TickBlock, message_record, nanoseconds
 from holodrive.log.mcap_file import McapFile, Syncer
 from holodrive.log.messages import encode_event, encode_scan, encode_static_transforms, encode_text
 from holodrive.log.rows import KIND_TWIST, columns_of
@@ -63,14 +63,14 @@ class Recorder:
         self.path, self.fault, self.lost = Path(path), "", 0
         self._clock = clock
         self._columns = columns_of(robot)
-        self._wheel_names = [wheel.name for wheel in robot.wheels]
-        self._steer_names = [f"{robot.wheels[i].name}_steer" for i in robot.steered]
+        self._robot = robot
         self._mount = None if robot.lidar is None else robot.lidar.mount
         self._description = _description(robot, world, settings or {})
         self._rows = np.empty((_CHUNK_TICKS, self._columns.size))
         self._filled, self._ticks = 0, 0
-        self._block_kind: tuple[bool, bool] | None = None
-        self._blocks: dict[tuple[bool, bool], TickBlock] = {}
+        self._imu, self._mice = False, False  # a sensor that was there once keeps its topic
+        self._block_kind: BlockKind | None = None
+        self._blocks: dict[BlockKind, TickBlock] = {}
         self._others: list[tuple[ChannelSpec, int, bytes]] = []
         self._sequence: dict[int, int] = {}
         self._opened_at, self._opened_time = clock(), math.nan
@@ -93,8 +93,7 @@ class Recorder:
             if self._description[key]:
                 self._file.attach(name, media_type, self._description[key])
         self._file.describe("holodrive", {"format": "1", "robot": self._description["name"]})
-        if self._mount is not None:
-            self._other(blocks.TRANSFORMS_STATIC, 0.0, encode_static_transforms(self._mount))
+        self._other(blocks.TRANSFORMS_STATIC, 0.0, encode_static_transforms(self._robot))
         self._describe(0.0)
         self._flush()
 
@@ -113,7 +112,10 @@ class Recorder:
     def _take(self, tick: Tick) -> None:
         row = self._rows[self._filled]
         self._columns.fill(row, tick)
-        kind = tick.truth is not None, row[self._columns["decided_kind"].start] == KIND_TWIST
+        self._imu = self._imu or tick.gyro is not None or tick.accel is not None
+        self._mice = self._mice or (tick.mice is not None and self._columns.k > 0)
+        is_twist = bool(row[self._columns["decided_kind"].start] == KIND_TWIST)
+        kind = BlockKind(tick.truth is not None, is_twist, self._imu, self._mice)
         if kind != self._block_kind:
             self._flush()  # the rows before have other channels than this one
             self._rows[0], self._block_kind = row, kind
@@ -216,8 +218,7 @@ class Recorder:
         assert self._block_kind is not None
         encoder = self._blocks.get(self._block_kind)
         if encoder is None:
-            truth, command = self._block_kind
-            encoder = TickBlock(self._columns, self._wheel_names, self._steer_names, truth=truth, command=command)
+            encoder = TickBlock(self._columns, self._robot, self._block_kind)
             self._blocks[self._block_kind] = encoder
         data, stamps = encoder.encode(self._rows[: self._filled], self._ticks - self._filled)
         return data, stamps, encoder.block.starts

@@ -1,4 +1,4 @@
-"""Our own logs as recordings: the wheels' angles of a run, with the true pose where it was known."""
+"""Our own logs as recordings: the wheels' angles of a run, gyro and true pose where they were known."""
 
 from pathlib import Path
 
@@ -29,7 +29,7 @@ def read(path: Path, run: str, robot: str | None) -> Recording:
         raise LogError(f"{path}: no control tick in this log" + (f" ({content.damage})" if content.damage else ""))
     truth = rows[:, at["truth"]]
     known = np.isfinite(truth).all(axis=1)
-    time = rows[:, at["time"].start]
+    time, gyro = rows[:, at["time"].start], rows[:, at["gyro"].start]
     return Recording(
         name=run,
         robot=robot or recorded.name,
@@ -38,6 +38,7 @@ def read(path: Path, run: str, robot: str | None) -> Recording:
         position=rows[:, at["wheel_position"]].copy(),
         steered=tuple(recorded.wheels[i].name for i in recorded.steered),
         steer=rows[:, at["steer"]].copy(),
+        gyro=np.empty(0) if np.isnan(gyro).all() else gyro.copy(),
         truth_time=time[known],
         truth=truth[known],
         family=str(content.settings.get("controller", "")),

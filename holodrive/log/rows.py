@@ -1,7 +1,7 @@
 """Control ticks as rows of float64: what the recorder buffers, the log stores and a `Run` is made from.
 
-A row is the message `holodrive_msgs/msg/Tick` without the lengths of its sequences, so that writing and
-reading a log move whole rows and no number is ever rounded.
+A row is the message `holodrive_msgs/msg/Tick` without the lengths of its sequences, then what IMU and mice told
+(messages of their own), so that writing and reading a log move whole rows and no number is ever rounded.
 """
 
 import math
@@ -46,15 +46,16 @@ SEQUENCES: tuple[tuple[str, str], ...] = (
 )
 KIND_TWIST, KIND_WHEELS, KIND_DUTY = 0.0, 1.0, 2.0
 _NAN = math.nan
-_NAN3 = (_NAN, _NAN, _NAN)
+_NAN2, _NAN3 = (_NAN, _NAN), (_NAN, _NAN, _NAN)
 
 
 class Columns:
-    """Where each field lies in the row of a robot with `n` wheels, `m` of them steered."""
+    """Where each field lies in the row of a robot with `n` wheels, `m` of them steered, and `k` mice."""
 
-    def __init__(self, n: int, m: int) -> None:
-        self.n, self.m = n, m
+    def __init__(self, n: int, m: int, k: int) -> None:
+        self.n, self.m, self.k = n, m, k
         self.counts = dict(FIXED) | {name: n if kind == "n" else m for name, kind in SEQUENCES}
+        self.counts |= {"gyro": 1, "accel": 2, "mice": 2 * k}
         self.at: dict[str, slice] = {}
         start = 0
         for name, count in self.counts.items():
@@ -63,6 +64,7 @@ class Columns:
         self.size = start
         self._tail = [self.at[name] for name, _ in SEQUENCES]
         self._head_size = self.at["decided_wheels"].start
+        self._imu = slice(self.at["gyro"].start, self.at["accel"].stop)
 
     def __getitem__(self, name: str) -> slice:
         return self.at[name]
@@ -71,7 +73,7 @@ class Columns:
         """Write a tick into a row (size,).
 
         Raises:
-            ValueError: an array has another length than the robot has wheels.
+            ValueError: an array has another length than the robot has wheels or mice.
         """
         estimate, reference, wheels = tick.estimate, tick.reference, tick.wheels
         kind, twist, decided, decided_steer = _decided(tick.decided)
@@ -105,17 +107,31 @@ class Columns:
         for where, value in zip(self._tail, values, strict=True):
             if where.start != where.stop:
                 row[where] = value
+        self._fill_sensors(row, tick)
+
+    def _fill_sensors(self, row: Array, tick: Tick) -> None:
+        gyro, accel, mice = tick.gyro, tick.accel, tick.mice
+        if gyro is None and accel is None:
+            row[self._imu] = _NAN
+        else:
+            row[self._imu] = (_NAN if gyro is None else gyro, *(_NAN2 if accel is None else accel))
+        if mice is None:
+            row[self.at["mice"]] = _NAN
+        elif np.shape(mice) == (self.k, 2):
+            row[self.at["mice"]] = np.ravel(mice)
+        elif np.size(mice) or self.k:
+            raise ValueError(f"the robot has {self.k} mice, a tick has displacements of shape {np.shape(mice)}")
 
 
 @cache
-def columns(n: int, m: int) -> Columns:
-    """The row layout for `n` wheels, `m` of them steered."""
-    return Columns(n, m)
+def columns(n: int, m: int, k: int) -> Columns:
+    """The row layout for `n` wheels, `m` of them steered, and `k` mice."""
+    return Columns(n, m, k)
 
 
 def columns_of(robot: Robot) -> Columns:
     """The row layout of a robot."""
-    return columns(len(robot.wheels), len(robot.steered))
+    return columns(len(robot.wheels), len(robot.steered), len(robot.mice))
 
 
 def _decided(command: Twist | WheelCommand | DutyCommand) -> tuple[float, Sequence[float], Any, Any]:
@@ -160,6 +176,9 @@ def run_of_rows(
         steer=part("steer"),
         duty=part("duty"),
         slip=part("slip")[:, 0],
+        gyro=part("gyro")[:, 0],
+        accel=part("accel"),
+        mice=part("mice").reshape(len(rows), at.k, 2),
         scans=tuple(scans),
         events=tuple(events),
         metrics=dict(metrics or {}),

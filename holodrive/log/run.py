@@ -4,6 +4,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from holodrive.robots.spec import Robot
 from holodrive.types import Array, Command, Estimate, Event, Pose, Reference, Scan, Twist, WheelCommand, WheelState
 from holodrive.worlds.spec import World
@@ -14,6 +16,7 @@ class Tick(NamedTuple):
 
     `decided` is what the controller asked for, `applied` what was really sent after pipeline, gate and base.
     `truth` and `true_twist` are known in simulation and with motion capture only. `duty` (n,) is None when unknown.
+    `gyro`, `accel` (2,) and `mice` (k, 2) are those of the observation, None without such a sensor.
     """
 
     time: float
@@ -30,9 +33,13 @@ class Tick(NamedTuple):
     mice: Array | None = None
 
 
+def _nothing() -> Array:
+    return np.empty(0)
+
+
 @dataclass(frozen=True)
 class Run:
-    """A whole run; T ticks, n wheels, m steered wheels. Unknown values are NaN.
+    """A whole run; T ticks, n wheels, m steered wheels, k mice. Unknown values are NaN.
 
     Attributes:
         robot, world: as they were, with their TOML texts.
@@ -52,6 +59,9 @@ class Run:
         metrics: name -> number, see `holodrive.metrics`.
         path: of the log file, when there is one.
         damage: one line about what of the file could not be read; empty for a whole one.
+        gyro: (T,) yaw rate as measured [rad/s].
+        accel: (T, 2) specific force as measured, in the axes of the IMU [m/s^2].
+        mice: (T, k, 2) displacement of each ground sensor since the last tick, in its own axes [m].
     """
 
     robot: Robot
@@ -75,6 +85,15 @@ class Run:
     metrics: dict[str, float] = field(default_factory=dict)
     path: Path | None = None
     damage: str = ""
+    gyro: Array = field(default_factory=_nothing)
+    accel: Array = field(default_factory=_nothing)
+    mice: Array = field(default_factory=_nothing)
+
+    def __post_init__(self) -> None:
+        """What sensors were left out are unknown at every tick."""
+        for name, shape in (("gyro", ()), ("accel", (2,)), ("mice", (len(self.robot.mice), 2))):
+            if not np.size(getattr(self, name)):
+                object.__setattr__(self, name, np.full((len(self.time), *shape), np.nan))
 
     @property
     def ended(self) -> str:

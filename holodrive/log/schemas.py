@@ -1,7 +1,7 @@
 """The message definitions that a log carries, so that any MCAP tool can read it without this package.
 
-ROS 2 messages by their own names, and three of our own (`holodrive_msgs`) where ROS has none that keeps
-a heading's turns, unrounded numbers or a scan with uneven beams.
+ROS 2 messages by their own names, and four of our own (`holodrive_msgs`) where ROS has none that keeps
+a heading's turns, unrounded numbers, a scan with uneven beams or sensors that look at the ground.
 """
 
 _SEPARATOR = "=" * 80
@@ -16,6 +16,8 @@ POSE = "geometry_msgs/msg/PoseStamped"
 JOINTS = "sensor_msgs/msg/JointState"
 LASER_SCAN = "sensor_msgs/msg/LaserScan"
 TRANSFORMS = "tf2_msgs/msg/TFMessage"
+IMU = "sensor_msgs/msg/Imu"
+MICE = "holodrive_msgs/msg/Mice"
 
 _BODIES: dict[str, str] = {
     TICK: """\
@@ -88,6 +90,22 @@ float32[] ranges
 float32[] intensities
 """,
     TRANSFORMS: "geometry_msgs/TransformStamped[] transforms\n",
+    IMU: """\
+std_msgs/Header header
+geometry_msgs/Quaternion orientation
+float64[9] orientation_covariance
+geometry_msgs/Vector3 angular_velocity
+float64[9] angular_velocity_covariance
+geometry_msgs/Vector3 linear_acceleration
+float64[9] linear_acceleration_covariance
+""",
+    MICE: """\
+# How far each ground sensor went over the ground since the last tick, in its own axes (frame mouse_NAME) [m].
+std_msgs/Header header
+string[] name
+float64[] x
+float64[] y
+""",
     "std_msgs/msg/Header": "builtin_interfaces/Time stamp\nstring frame_id\n",
     "builtin_interfaces/msg/Time": "int32 sec\nuint32 nanosec\n",
     "geometry_msgs/msg/Point": "float64 x\nfloat64 y\nfloat64 z\n",

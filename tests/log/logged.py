@@ -18,8 +18,16 @@ from holodrive.types import (
 )
 
 
-def tick(robot: Robot, time: float, rng: np.random.Generator, *, command: str = "twist", truth: bool = True) -> Tick:
-    """One tick of random numbers."""
+def tick(
+    robot: Robot,
+    time: float,
+    rng: np.random.Generator,
+    *,
+    command: str = "twist",
+    truth: bool = True,
+    sensors: bool = True,
+) -> Tick:
+    """One tick of random numbers, of the sensors that the robot has."""
     n, m = len(robot.wheels), len(robot.steered)
     decided: Command = Twist(*rng.normal(size=3))
     if command == "wheels":
@@ -36,6 +44,9 @@ def tick(robot: Robot, time: float, rng: np.random.Generator, *, command: str = 
         truth=Pose(*rng.normal(size=3)) if truth else None,
         true_twist=Twist(*rng.normal(size=3)) if truth else None,
         duty=rng.uniform(-1, 1, size=n) if truth else None,
+        gyro=float(rng.normal()) if sensors and robot.imu else None,
+        accel=rng.normal(size=2) if sensors and robot.imu else None,
+        mice=rng.normal(size=(len(robot.mice), 2)) if sensors and robot.mice else None,
     )
 
 
