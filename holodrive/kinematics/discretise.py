@@ -17,8 +17,8 @@ def discretise(twist: ArrayLike, dt_s: float) -> Array:
     """
     twist = twists(twist)
     half = 0.5 * twist[..., 2] * dt_s
-    if not dt_s > 0.0:
-        raise CommandError(f"a tick of {dt_s} s; its length must be greater than 0")
+    if not 0.0 < dt_s < np.inf:
+        raise CommandError(f"a tick of {dt_s} s; its length must be finite and greater than 0")
     if np.any(np.abs(half) >= np.pi):
         raise CommandError("the base would turn by a full turn or more in one tick; shorten the tick or turn slower")
     k = half_cotangent(half)

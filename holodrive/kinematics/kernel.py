@@ -84,11 +84,12 @@ def command_step(kin: Array, twist: Array, dt: float, memory: Array, speeds_out:
         steer_out: (m,) [rad], not wrapped.
 
     Returns:
-        How much limits and wheels scaled the command, 1 when not at all. A twist that is not finite gives NaN, here
-        and for every wheel speed, so that the gate refuses it; the modules keep their angles.
+        How much speed limits and wheels scaled the command, 1 when not at all (what acceleration limits took is not
+        in it). A twist or period that is not finite, or a period not above 0, gives NaN, here and for every wheel
+        speed, so that the gate refuses it; the modules keep their angles.
     """
     wanted_vx, wanted_vy, wanted_omega = twist[0], twist[1], twist[2]
-    valid = math.isfinite(wanted_vx + wanted_vy + wanted_omega) and dt > 0.0
+    valid = math.isfinite(wanted_vx + wanted_vy + wanted_omega + dt) and dt > 0.0
     if not valid:
         wanted_vx = wanted_vy = wanted_omega = memory[0] = memory[1] = memory[2] = 0.0
     scale = limit_scale(kin, wanted_vx, wanted_vy, wanted_omega, dt)

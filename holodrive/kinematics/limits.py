@@ -21,13 +21,17 @@ class Applied(NamedTuple):
 
     Attributes:
         twist: (..., 3) that is applied.
-        scale: (...) factor that limits took from the wanted one, 1 when they took nothing.
-        binding: name of the wheel (or of the limit) that bound, "" when none did; an array of names for a batch.
+        scale: (...) factor that speed limits and wheels took from the wanted one, 1 when they took nothing.
+        binding: name of the wheel (or of the limit) that bound, "" when none did; an array of names for a batch. The
+            last that bound: a wheel before "acceleration", that before "speed" and "yaw rate".
+        share: how far from the last twist towards the wanted one acceleration limits let go, 1 when they took
+            nothing; below 1 they bound, whatever `scale` and `binding` say.
     """
 
     twist: Array
     scale: Any
     binding: Any
+    share: Any = 1.0
 
 
 def loads(chassis: "Chassis", twist: ArrayLike) -> Array:

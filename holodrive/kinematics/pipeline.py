@@ -6,6 +6,12 @@
 
 The usual recipe (discretise, then scale the wheels) bends the line, because it scales a twist that was bent for
 another turn rate; see the test that shows it.
+
+Wheels come after acceleration, because a wheel cannot go faster than it can. So the acceleration limits are no bound
+for a base whose wheels saturate: how fast a twist they allow varies with the heading, and where a base turns into a
+direction that its wheels drive slower in, it slows down as fast as that takes. Gaining speed again is bounded. To
+keep accelerations bounded, command no more than the slowest direction allows at that yaw rate (or limit it so with
+`Limits.speed_m_s`).
 """
 
 import math
@@ -53,22 +59,28 @@ class CommandPipeline:
         if len(angles) != m:
             raise CommandError(f"{len(angles)} steering angles for a base with {m} steered wheels; give {m}")
         self._memory = [*(float(value) for value in twist), *angles, *([0.0] * m)]
-        self._result: tuple[Any, ...] = ((), (), *self._memory[:3], 1.0, NOTHING)
+        self._result: tuple[Any, ...] = ((), (), *self._memory[:3], 1.0, NOTHING, 1.0)
 
     def step(self, twist: "Twist | Sequence[float]", dt_s: float) -> WheelCommand:
         """Wheels for one tick of `dt_s` seconds: tuples of n speeds [rad/s] and m steering angles [rad], not wrapped.
 
-        A twist that is not finite gives NaN speeds, which the gate turns into a stop.
+        A twist that is not finite, or a tick without length, gives NaN speeds, which the gate turns into a stop.
+
+        Raises:
+            CommandError: `dt_s` is negative, infinite or NaN; no state has changed.
         """
         self._result = result = self._step(*twist, dt_s, self._memory)  # type: ignore[call-arg]
         return _new(WheelCommand, result[:2])  # half the time of WheelCommand(...)
 
     @property
     def applied(self) -> Applied:
-        """What the last step made of its command: the twist before discretisation, the scale, and what bound it."""
-        vx, vy, omega, scale, binding = self._result[2:]
+        """What the last step made of its command: the twist before discretisation, and what took how much of it.
+
+        `share` below 1 tells that an acceleration limit bound, `scale` below 1 that a speed limit or a wheel did.
+        """
+        vx, vy, omega, scale, binding, share = self._result[2:]
         name = self.chassis.names[binding] if binding >= 0 else _WHAT_BINDS[binding]
-        return Applied(np.array([vx, vy, omega]), scale, name)
+        return Applied(np.array([vx, vy, omega]), scale, name, share)
 
     @property
     def steer(self) -> tuple[float, ...]:

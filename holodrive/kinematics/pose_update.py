@@ -1,6 +1,6 @@
 """One step of dead reckoning. `exact` is what the platform uses; the two others are the papers' and the peers'.
 
-At vx = 1, vy = 0.5, omega = 2 and 20 Hz, ten seconds of Euler steps are up to 56 mm off, midpoint steps 0.4 mm.
+At vx = 1, vy = 0.5, omega = 2 and 20 Hz, ten seconds of Euler steps are up to 56 mm off, midpoint steps 0.47 mm.
 """
 
 import numpy as np

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from math import sqrt, tan
 from typing import TYPE_CHECKING, Any
 
+from holodrive.errors import CommandError
 from holodrive.kinematics.scalar import compile_functions, function, linear_maps, times
 from holodrive.kinematics.settings import BAND, FLIP_SLACK, GOAL, HOLD_SPEED, SLOW_DOWN_ROUNDS, TIGHT
 from holodrive.robots.spec import Limits
@@ -19,12 +20,12 @@ Step = Callable[[float, float, float, float, list[float]], tuple[Any, ...]]
 
 def command_step(chassis: "Chassis", limits: Limits | None = None) -> Step:
     # the text and the arithmetic must stay those of kernel.py: a test compares the two tick by tick
-    """A function (vx, vy, omega, dt, memory) -> (speeds, steer, vx, vy, omega, scale, binding).
+    """A function (vx, vy, omega, dt, memory) -> (speeds, steer, vx, vy, omega, scale, binding, share).
 
     `memory` is a list of 3 + 2 m floats, changed in place: the applied twist in the axes of the next tick, the
     steering angles [rad] and the drive signs. Speeds [rad/s] and angles [rad] are tuples; the twist is the applied
     one before discretisation; `scale` is what limits and wheels took; `binding` the number of the wheel that bound,
-    or one of NOTHING, SPEED, YAW_RATE, ACCEL.
+    or one of NOTHING, SPEED, YAW_RATE, ACCEL; `share` is how far towards the wanted twist acceleration limits let go.
     """
     names = {
         "remainder": math.remainder,
@@ -32,8 +33,15 @@ def command_step(chassis: "Chassis", limits: Limits | None = None) -> Step:
         "tan": math.tan,
         "slowing": _slowing(chassis),
         "joint": joint,
+        "refuse_tick": refuse_tick,
     }
     return compile_functions(source(chassis, limits or Limits()), "command step", **names)["command_step"]  # type: ignore[no-any-return]
+
+
+def refuse_tick(dt_s: float) -> None:
+    """Raise for a tick that no clock can give; one without length (0) is only a tick without a command."""
+    if not 0.0 <= dt_s < math.inf:
+        raise CommandError(f"a tick of {dt_s} s; its length must be finite and greater than 0")
 
 
 def source(chassis: "Chassis", limits: Limits) -> str:
@@ -46,10 +54,11 @@ def source(chassis: "Chassis", limits: Limits) -> str:
     last = ["c * vx + s * vy", "c * vy - s * vx", "omega"] if accelerates else ["vx", "vy", "omega"]
     lines = [
         f"{', '.join(memory)} = memory",
-        "sum_ = vx + vy + omega",
+        "sum_ = vx + vy + omega + dt",
         "if not (sum_ - sum_ == 0.0 and dt > 0.0):",  # not finite: inf - inf is NaN
+        "    refuse_tick(dt)",
         "    memory[0] = memory[1] = memory[2] = 0.0",
-        f"    return ({'nan, ' * len(chassis.wheels)}), {_tuple(angles)}, nan, nan, nan, nan, {NOTHING}",
+        f"    return ({'nan, ' * len(chassis.wheels)}), {_tuple(angles)}, nan, nan, nan, nan, {NOTHING}, nan",
         "scale, binding = 1.0, -1",
         *_limit_lines(limits),
         *(_accelerate_lines(limits) if accelerates else []),
@@ -60,7 +69,7 @@ def source(chassis: "Chassis", limits: Limits) -> str:
         *(["turn = omega * dt", "c, s = cos(turn), sin(turn)"] if accelerates else []),
         *_module_lines(chassis),
         f"memory[:] = ({', '.join([*last, *angles, *signs])})",
-        f"return ({speeds},), {_tuple(angles)}, vx, vy, omega, scale, binding",
+        f"return ({speeds},), {_tuple(angles)}, vx, vy, omega, scale, binding, {'share' if accelerates else 1.0}",
     ]
     return function("command_step", ["vx", "vy", "omega", "dt", "memory"], lines)
 

@@ -9,7 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from holodrive import geometry, robots
-from holodrive.errors import CommandError
+from holodrive.errors import CommandError, InputError
 from holodrive.kinematics import Chassis, Wheel, kernel, swerve
 from holodrive.kinematics.discretise import discretise
 from holodrive.kinematics.limits import desaturate, loads
@@ -156,6 +156,64 @@ def test_a_twist_that_is_not_a_number_never_becomes_a_speed(base):
 
 def test_a_tick_without_length_is_not_a_command(base):
     assert np.all(np.isnan(CommandPipeline(base).step((0.1, 0, 0), 0.0).speeds))
+
+
+@pytest.mark.parametrize("dt", [math.inf, math.nan, -0.01, -math.inf])
+@pytest.mark.parametrize("limits", [None, Limits(accel_m_s2=2.0)])
+def test_a_tick_of_impossible_length_is_refused_and_leaves_no_trace(base, limits, dt):
+    pipeline, twin = CommandPipeline(base, limits), CommandPipeline(base, limits)
+    for each in (pipeline, twin):
+        each.step((0.1, 0.05, 0.2), 0.01)
+    with pytest.raises(InputError, match=rf"a tick of {dt} s; its length must be finite and greater than 0"):
+        pipeline.step((0.1, 0.05, 0.2), dt)
+    assert pipeline.steer == twin.steer
+    assert pipeline.step((0.1, 0.06, 0.2), 0.01) == twin.step((0.1, 0.06, 0.2), 0.01)
+    # the kernel cannot raise: it gives NaN, which the gate turns into a stop, and keeps its angles
+    kin = kernel.arrays(base, limits)
+    speeds, steer = np.zeros(len(base.wheels)), np.zeros(len(base.steered))
+    memory = np.full(kernel.memory_size(kin), 0.3)
+    assert math.isnan(kernel.command_step(kin, np.array([0.1, 0.05, 0.2]), dt, memory, speeds, steer))
+    assert np.all(np.isnan(speeds))
+    assert np.all(np.isfinite(memory))
+    np.testing.assert_array_equal(memory[kernel.STEER : kernel.STEER + len(steer)], 0.3)
+
+
+def test_applied_tells_what_acceleration_limits_took(bases):
+    """`share` is how far towards the wanted twist they let go; a wheel or a speed limit may bind in the same tick."""
+    pipeline = CommandPipeline(bases["swerve4"], Limits(accel_m_s2=2.0))
+    assert pipeline.applied.share == 1.0
+    pipeline.step((0.6, 0.8, 0.0), 0.01)
+    assert pipeline.applied.share == pytest.approx(0.02)
+    assert (pipeline.applied.scale, pipeline.applied.binding) == (1.0, "acceleration")
+    pipeline.reset(twist=(0.6, 0.8, 0.0))
+    pipeline.step((0.6, 0.8, 0.0), 0.01)
+    assert (pipeline.applied.share, pipeline.applied.binding) == (1.0, "")
+    pipeline.reset(twist=(9.0, 0.0, 0.0))
+    pipeline.step((0.0, 0.0, 0.0), 0.01)
+    assert pipeline.applied.binding == "fl"
+    assert pipeline.applied.scale < 1.0
+    assert pipeline.applied.share == pytest.approx(0.02 / 9.0)
+    pipeline.step((math.nan, 0.0, 0.0), 0.01)
+    assert math.isnan(pipeline.applied.share)
+    free = CommandPipeline(bases["swerve4"])
+    free.step((0.6, 0.8, 0.0), 0.01)
+    assert free.applied.share == 1.0
+    assert bases["swerve4"].saturate([9.0, 0.0, 0.0]).share == 1.0
+
+
+def test_a_base_whose_wheels_saturate_by_heading_loses_speed_faster_than_the_acceleration_limit(bases):
+    """As the pipeline's text says: wheels come after acceleration. Gaining speed stays bounded."""
+    pipeline, heading, speeds, dt = CommandPipeline(bases["mecanum4"], Limits(accel_m_s2=0.1)), 0.0, [], 0.01
+    bound = set()
+    for _ in range(3000):
+        pipeline.step(geometry.rotate(-heading, np.array([0.55, 0.0, 1.0])), dt)
+        speeds.append(np.hypot(*pipeline.applied.twist[:2]))
+        heading += pipeline.applied.twist[2] * dt
+        bound.add(pipeline.applied.binding)
+    rates = np.diff(speeds) / dt
+    assert rates.max() == pytest.approx(0.1)
+    assert rates.min() == pytest.approx(-0.142, abs=0.001)
+    assert bound >= {"acceleration", "fl", "fr"}
 
 
 def one_module(steer_rate=math.inf):
