@@ -92,6 +92,7 @@ def command_step(kin: Array, twist: Array, dt: float, memory: Array, speeds_out:
     valid = math.isfinite(wanted_vx + wanted_vy + wanted_omega + dt) and dt > 0.0
     if not valid:
         wanted_vx = wanted_vy = wanted_omega = memory[0] = memory[1] = memory[2] = 0.0
+        dt = 1.0  # any sound one: zero times an infinite period would be NaN in the memory
     scale = limit_scale(kin, wanted_vx, wanted_vy, wanted_omega, dt)
     vx, vy, omega = scale * wanted_vx, scale * wanted_vy, scale * wanted_omega
     share = accel_share(kin, memory, vx, vy, omega, dt)
