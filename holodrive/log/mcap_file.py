@@ -5,13 +5,16 @@ the chunks are ours. A file that was never finished lacks only its index at the 
 """
 
 import contextlib
+import errno
 import os
 import struct
+import sys
 import threading
 import zlib
 from collections.abc import Callable, Mapping
 from importlib import metadata
 from pathlib import Path
+from typing import BinaryIO, cast
 
 import numpy as np
 import zstandard
@@ -24,9 +27,16 @@ from numpy.typing import NDArray
 from holodrive.log import schemas
 from holodrive.log.blocks import CHANNELS
 
+if sys.platform != "win32":
+    import fcntl
+
 MAGIC = b"\x89MCAP0\r\n"
 _COMPRESSION = "zstd"
 _LEVEL = 1  # level 3 saves 6 % of the file for twice the time
+
+
+class Taken(OSError):
+    """Somebody else is writing this file."""
 
 
 class McapFile:
@@ -34,10 +44,13 @@ class McapFile:
 
     Args:
         path: where; an older file of that name is replaced.
+
+    Raises:
+        Taken: somebody else is writing this file.
     """
 
     def __init__(self, path: Path) -> None:
-        self._file = path.open("wb", buffering=0)
+        self._file = _open_alone(path)
         self._end = 0
         self._compressor = zstandard.ZstdCompressor(level=_LEVEL)
         self._schemas = {
@@ -65,7 +78,7 @@ class McapFile:
             for record in (*self._schemas.values(), *self._channels):
                 self._record(record)
         except OSError:
-            self._file.close()
+            self.abandon()
             raise
 
     def attach(self, name: str, media_type: str, text: str) -> None:
@@ -158,7 +171,7 @@ class McapFile:
         footer = struct.pack("<BQQQ", Opcode.FOOTER, 20, start, offset_start)
         self._write(summary + footer + struct.pack("<I", zlib.crc32(footer, zlib.crc32(summary))) + MAGIC)
         self.sync()
-        self._file.close()
+        self._close()
 
     def _summary_groups(self) -> list[tuple[Opcode, list[records.McapRecord]]]:
         statistics = records.Statistics(
@@ -184,11 +197,21 @@ class McapFile:
 
     def sync(self) -> None:
         """Wait until all that was written is on the disk itself."""
-        os.fsync(self._file.fileno())
+        try:
+            number = self._file.fileno()
+        except ValueError:
+            return  # closed meanwhile by the thread that writes
+        os.fsync(number)
 
     def abandon(self) -> None:
-        """Close without an index; what was written stays readable."""
-        self._file.close()
+        """Close without an index; what was written stays readable. Never fails: the fault was told before."""
+        with contextlib.suppress(OSError):
+            self._close()
+
+    def _close(self) -> None:
+        if not self._file.closed:
+            _let_go(self._file)
+            self._file.close()
 
     def _record(self, record: records.McapRecord) -> tuple[int, int]:
         """Write one record; its offset and length."""
@@ -198,15 +221,19 @@ class McapFile:
         return self._write(data), len(data)
 
     def _write(self, data: bytes) -> int:
-        """Write all of `data` or, after a failure, none of it; its offset."""
+        """Write all of `data` or, after a failure or Ctrl-C, none of it; its offset."""
         offset, view = self._end, memoryview(data)
         try:
             while view:
-                view = view[self._file.write(view) :]
-        except OSError:
+                taken = self._file.write(view)
+                if not taken:  # a pipe that is full and does not wait
+                    raise BlockingIOError(errno.EAGAIN, "it takes no more data")
+                view = view[taken:]
+        except BaseException:
             # a torn record would only be noise behind the last good one; what failed is told either way
             with contextlib.suppress(OSError):
                 self._file.truncate(offset)
+                self._file.seek(offset)
             raise
         self._end += len(data)
         return offset
@@ -225,10 +252,11 @@ class Syncer:
         self._thread = threading.Thread(target=self._run, name="holodrive-log-sync", daemon=True)
         self._thread.start()
 
-    def stop(self) -> None:
-        """End the thread and wait for it."""
+    def stop(self, *, wait: bool = True) -> None:
+        """End the thread and, unless told otherwise, wait for it."""
         self._stop.set()
-        self._thread.join()
+        if wait:
+            self._thread.join()
 
     def _run(self) -> None:
         while not self._stop.wait(self._period_s):
@@ -237,6 +265,40 @@ class Syncer:
             except OSError as error:
                 self._report(error)
                 return
+
+
+def _open_alone(path: Path) -> BinaryIO:
+    """An empty file that nobody else writes with this function; the system forgets the lock with the process."""
+    # not "wb": that would empty another recorder's file before the lock could say no
+    file = cast(
+        BinaryIO, os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666), "wb", 0)
+    )
+    try:
+        _lock(file)
+        if os.fstat(file.fileno()).st_size:
+            file.truncate(0)
+    except OSError:
+        file.close()
+        raise
+    return file
+
+
+def _lock(file: BinaryIO) -> None:
+    if sys.platform == "win32":
+        return
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise Taken(errno.EAGAIN, "another recording is still writing it") from None
+    except OSError:
+        return  # a file system without locks, as some network ones are: recording matters more
+
+
+def _let_go(file: BinaryIO) -> None:
+    """Give the lock back at once: children that were forked meanwhile share the open file, and would keep it."""
+    if sys.platform != "win32":
+        with contextlib.suppress(OSError):
+            fcntl.flock(file, fcntl.LOCK_UN)
 
 
 def _taken(builder: RecordBuilder) -> bytes:

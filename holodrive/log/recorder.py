@@ -17,7 +17,7 @@ from holodrive import robots, worlds
 from holodrive.errors import LogError
 from holodrive.log import blocks
 from holodrive.log.blocks import BlockKind, ChannelSpec, TickBlock, message_record, nanoseconds
-from holodrive.log.mcap_file import McapFile, Syncer
+from holodrive.log.mcap_file import McapFile, Syncer, Taken
 from holodrive.log.messages import encode_event, encode_scan, encode_static_transforms, encode_text
 from holodrive.log.rows import KIND_TWIST, columns_of
 from holodrive.log.run import Tick
@@ -39,12 +39,12 @@ class Recorder:
     the file, so that a run cut off at any moment can still be repeated.
 
     Args:
-        path: of the new file; an older one is replaced.
+        path: of the new file; an older one is replaced, but not one that another recorder is still writing.
         robot, world, settings: what it takes to repeat the run; `settings` must be JSON-able.
         clock: monotonic seconds.
 
     Raises:
-        LogError: the file cannot be made, or the settings cannot be written as JSON.
+        LogError: the file cannot be made, another recorder is writing it, or the settings cannot be written as JSON.
 
     Attributes:
         fault: one line about what ended the recording, empty while all is well.
@@ -79,8 +79,12 @@ class Recorder:
         self._sync_error: OSError | None = None
         try:
             self._file = McapFile(self.path)
+        except OSError as error:
+            raise LogError(_cannot_write(self.path, error)) from None
+        try:
             self._begin()
         except OSError as error:
+            self._file.abandon()
             raise LogError(_cannot_write(self.path, error)) from None
         self._syncer = Syncer(self._file.sync, self._sync_failed)
 
@@ -236,6 +240,7 @@ class Recorder:
         else:
             self.fault = f"log {self.path}: recording stopped: {type(error).__name__}: {error}"
         _log.error("%s", self.fault)
+        self._syncer.stop(wait=False)  # a disk that hangs must not hold up the loop
         self._file.abandon()
 
 
@@ -266,4 +271,6 @@ def _cannot_write(path: Path, error: OSError) -> str:
     if not path.parent.is_dir():
         return f"cannot write the log {path}: no folder {str(path.parent)!r}; make it, or choose another place"
     reason = error.strerror or str(error)
+    if isinstance(error, Taken):
+        return f"cannot write the log {path}: {reason}; close that one, or choose another place"
     return f"cannot write the log {path}: {reason}; free some space or choose another place"
