@@ -4,6 +4,7 @@ import json
 import math
 import struct
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -46,10 +47,31 @@ def decode_event(data: bytes) -> Event:
     reader = Reader(data)
     time, x, y, theta = reader.numbers(4)
     kind, text = reader.string(), reader.string()
-    extra = json.loads(reader.string())
-    if not isinstance(extra, dict):
-        raise LogError(f"the data of an event is {type(extra).__name__}, expected an object")
-    return Event(time, kind, text, Pose(x, y, theta), extra)
+    return Event(time, kind, text, Pose(x, y, theta), json_object(reader.string()))
+
+
+def decode_metrics(data: bytes) -> dict[str, float]:
+    """The numbers of a JSON object in a std_msgs/String."""
+    values = json_object(decode_text(data))
+    try:
+        return {name: float(value) for name, value in values.items() if isinstance(value, int | float)}
+    except OverflowError as error:
+        raise LogError(f"a metric is no number: {error}") from None
+
+
+def json_object(text: str) -> dict[str, Any]:
+    """A JSON object.
+
+    Raises:
+        LogError: it is something else, or nested deeper than can be read.
+    """
+    try:
+        value = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise LogError(f"not JSON: {error}") from None
+    if not isinstance(value, dict):
+        raise LogError(f"JSON of {type(value).__name__}, expected an object")
+    return value
 
 
 def encode_static_transforms(robot: Robot) -> bytes:

@@ -1,6 +1,5 @@
 """From a log file to a `Run`, with all that a damaged file still holds."""
 
-import json
 import logging
 import math
 import os
@@ -16,7 +15,14 @@ from holodrive import robots, worlds
 from holodrive.errors import LogError
 from holodrive.log import blocks, sensing
 from holodrive.log.blocks import CHANNELS, tick_template
-from holodrive.log.messages import decode_event, decode_laser_scan, decode_scan, decode_text
+from holodrive.log.messages import (
+    decode_event,
+    decode_laser_scan,
+    decode_metrics,
+    decode_scan,
+    decode_text,
+    json_object,
+)
 from holodrive.log.rows import columns_of, run_of_rows
 from holodrive.log.run import Run
 from holodrive.log.salvage import Salvage, salvage
@@ -24,6 +30,7 @@ from holodrive.robots.spec import Robot
 from holodrive.types import Array, Event, Pose, Scan
 from holodrive.worlds.spec import World
 
+S = TypeVar("S")
 T = TypeVar("T")
 _log = logging.getLogger(__name__)
 MAGIC_START = b"\x89MCAP"
@@ -89,14 +96,18 @@ def read_content(path: Path) -> Content:
     unreadable += bad
     events, bad = _decode_all(by_topic.get(blocks.EVENT.topic, []), decode_event)
     unreadable += bad
+    metrics, bad = _decode_all(by_topic.get(blocks.METRICS.topic, []), decode_metrics)
+    unreadable += bad
+    settings, bad = _decode_all([description["settings"]], json_object)
+    unreadable += bad
     return Content(
         robot=robot,
         world=world,
-        settings=_json_object(description["settings"]),
+        settings=settings[0] if settings else {},
         rows=rows,
         scans=scans,
         events=tuple(events),
-        metrics=_metrics(by_topic.get(blocks.METRICS.topic, [])),
+        metrics=metrics[-1] if metrics else {},
         damage=_damage(path, found, unreadable, rows),
     )
 
@@ -107,6 +118,10 @@ def read_bytes(path: Path) -> bytes:
         return path.read_bytes()
     except OSError as error:
         raise LogError(f"cannot read {path}: {os.strerror(error.errno or 0)}") from None
+    except ValueError as error:
+        raise LogError(f"cannot read {str(path)!r}: {error}") from None
+    except MemoryError:
+        raise LogError(f"cannot read {path}: its {path.stat().st_size} bytes do not fit into memory") from None
 
 
 def _by_topic(found: Salvage) -> tuple[dict[str, list[bytes]], dict[str, list[int]]]:
@@ -132,9 +147,9 @@ def _description(path: Path, messages: list[bytes], found: Salvage) -> dict[str,
     """The first description that can be read; the recorder repeats it, and attaches its parts to the file."""
     for data in messages:
         try:
-            description = json.loads(decode_text(data))
+            description = json_object(decode_text(data))
             return {key: str(description[key]) for key in ("robot", "world", "settings")}
-        except (LogError, ValueError, KeyError, TypeError):
+        except (LogError, KeyError):
             continue
     if "robot.toml" in found.attachments:
         texts = found.attachments
@@ -183,7 +198,7 @@ def _scans(by_topic: Mapping[str, list[bytes]], mount: Pose) -> tuple[tuple[Scan
     return tuple(scans), bad + bad_own
 
 
-def _decode_all(messages: list[bytes], decode: Callable[[bytes], T]) -> tuple[list[T], int]:
+def _decode_all(messages: list[S], decode: Callable[[S], T]) -> tuple[list[T], int]:
     out: list[T] = []
     bad = 0
     for data in messages:
@@ -192,21 +207,6 @@ def _decode_all(messages: list[bytes], decode: Callable[[bytes], T]) -> tuple[li
         except (LogError, ValueError, IndexError):
             bad += 1
     return out, bad
-
-
-def _metrics(messages: list[bytes]) -> dict[str, float]:
-    for data in reversed(messages):
-        values = _json_object(decode_text(data))
-        return {str(name): float(value) for name, value in values.items() if isinstance(value, int | float)}
-    return {}
-
-
-def _json_object(text: str) -> dict[str, Any]:
-    try:
-        value = json.loads(text)
-    except ValueError:
-        return {}
-    return value if isinstance(value, dict) else {}
 
 
 def _damage(path: Path, found: Salvage, unreadable: int, rows: Array) -> str:

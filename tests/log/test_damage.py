@@ -1,5 +1,9 @@
 """Claims about reading what is left of a damaged log: all other chunks and one line, never a traceback."""
 
+import json
+import os
+import struct
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -7,8 +11,12 @@ import pytest
 from logged import scan, ticks
 
 from holodrive import log, robots
-from holodrive.errors import LogError
-from holodrive.log import Recorder
+from holodrive.errors import FileFaults, LogError
+from holodrive.log import Recorder, blocks
+from holodrive.log.blocks import ChannelSpec, message_record
+from holodrive.log.cdr import ENCAPSULATION
+from holodrive.log.mcap_file import MAGIC, McapFile
+from holodrive.log.messages import encode_text
 from holodrive.log.salvage import salvage
 from holodrive.robots.spec import Robot
 from holodrive.types import Event, Pose
@@ -182,3 +190,77 @@ def test_the_description_is_repeated_so_that_losing_the_first_is_no_loss(tmp_pat
             recorder.tick(each)
     data = path.read_bytes()
     assert len(log.read(damaged(path, tmp_path, data[60_000:])).time) > 900
+
+
+def made(path: Path, robot_: Robot, *messages: tuple[ChannelSpec, bytes], **description: str) -> Path:
+    """A file with good check sums, a description (its parts as given) and some messages."""
+    parts = {"robot": robot_.text, "world": "", "settings": "{}"} | description
+    all_messages = [(blocks.DESCRIPTION, encode_text(json.dumps(parts))), *messages]
+    records = b"".join(message_record(channel.number, 0, 0, data) for channel, data in all_messages)
+    file = McapFile(path)
+    file.chunk(records, {blocks.DESCRIPTION.number: np.zeros((1, 2), dtype=np.uint64)})
+    file.finish()
+    return path
+
+
+DEEP = "[" * 100_000
+HUGE = b"\xff\xff\xff\xff"  # length of a sequence
+NONSENSE: dict[str, tuple[ChannelSpec, bytes]] = {
+    "metrics nested too deep": (blocks.METRICS, encode_text(DEEP)),
+    "metrics that are no float": (blocks.METRICS, encode_text(f'{{"a": 1{"0" * 400}}}')),
+    "metrics cut": (blocks.METRICS, b"\x00\x01"),
+    "an event": (blocks.EVENT, ENCAPSULATION + bytes(32) + HUGE),
+    "a scan": (blocks.SCAN, ENCAPSULATION + bytes(48) + HUGE),
+    "a laser scan": (blocks.LASER_SCAN, ENCAPSULATION + bytes(8) + HUGE),
+    "a tick": (blocks.TICK, ENCAPSULATION + HUGE * 10),
+    "a reading of an IMU": (blocks.IMU, ENCAPSULATION + HUGE * 10),
+    "a reading of mice": (blocks.MICE, b""),
+}
+
+
+@pytest.mark.parametrize("what", NONSENSE)
+def test_a_message_that_makes_no_sense_is_counted(what: str, hybrid3: Robot, tmp_path: Path) -> None:
+    path = made(tmp_path / "run.mcap", hybrid3, NONSENSE[what])
+    assert log.read(path).damage == f"{path}: 1 messages make no sense"
+
+
+def test_settings_that_make_no_sense_are_counted(hybrid3: Robot, tmp_path: Path) -> None:
+    for settings in (DEEP, "5", "{"):
+        run = log.read(made(tmp_path / "run.mcap", hybrid3, settings=settings))
+        assert (run.settings, run.damage.endswith("1 messages make no sense")) == ({}, True)
+
+
+def test_a_robot_or_world_that_makes_no_sense_is_told_in_one_line(hybrid3: Robot, tmp_path: Path) -> None:
+    for parts in ({"robot": "x = [\n"}, {"robot": "x = " + DEEP}, {"robot": "\x00\x01"}, {"world": "zzz"}):
+        with pytest.raises(FileFaults) as error:
+            log.read(made(tmp_path / "run.mcap", hybrid3, **parts))
+        assert len(str(error.value).splitlines()) == 1
+        assert f"{tmp_path / 'run.mcap'}:{next(iter(parts))}.toml" in str(error.value)
+
+
+def test_lengths_beyond_all_memory_are_told_in_one_line(tmp_path: Path) -> None:
+    """Of records, of what a chunk unpacks to, of the file itself."""
+    path = tmp_path / "huge.mcap"
+    for length, unpacked in ((2**64 - 1, 0), (2**62, 2**62), (148, 2**62), (148, 2**27)):
+        head = struct.pack("<QQQII4sQ", 0, 0, unpacked, 0, 4, b"zstd", max(0, length - 48))
+        path.write_bytes(MAGIC + b"\x06" + struct.pack("<Q", length) + head + bytes(100))
+        with pytest.raises(LogError, match="no readable description of the robot") as error:
+            log.read(path)
+        assert len(str(error.value).splitlines()) == 1
+
+
+def test_a_file_that_memory_cannot_hold_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def read_bytes(path: Path) -> bytes:
+        raise MemoryError
+
+    (tmp_path / "big.mcap").write_bytes(bytes(12))
+    monkeypatch.setattr(Path, "read_bytes", read_bytes)
+    with pytest.raises(LogError, match="its 12 bytes do not fit into memory"):
+        log.read(tmp_path / "big.mcap")
+
+
+def test_what_is_no_log_at_all_is_told_in_one_line(tmp_path: Path) -> None:
+    for path in (Path(sys.executable), Path("a\x00b"), tmp_path, Path(os.devnull)):
+        with pytest.raises(LogError) as error:
+            log.read(path)
+        assert len(str(error.value).splitlines()) == 1
