@@ -73,7 +73,27 @@ def simulate(
     """
     from holodrive.sim import SimBase
 
-    return SimBase(load(robot), _world(world), plant=plant, seed=seed, start=start, dt_s=dt_s)
+    base = SimBase(load(robot), _world(world), plant=plant, seed=seed, start=start, dt_s=dt_s)
+    _check_room(base)
+    return base
+
+
+def _check_room(base: "SimBase") -> None:
+    from holodrive.obstacles import clearance
+
+    place, pose, radius = base.world, base.truth, base.robot.footprint_radius_m
+    if place is None:
+        return
+    where = (
+        f"{base.robot.name} (footprint radius {radius:g} m) cannot start at ({pose.x:g}, {pose.y:g}) m in {place.name}"
+    )
+    gap = float(clearance(place, [base.time], [pose], radius)[0])
+    if gap < 0.0:
+        raise InputError(f"{where}: it would stand {-gap:.3g} m inside an obstacle or wall; give another start")
+    if place.size is not None and place.walls:
+        inside = all(low <= at <= low + side for at, low, side in zip(pose, place.corner, place.size, strict=False))
+        if not inside:
+            raise InputError(f"{where}: that is outside its walls; give another start")
 
 
 def drive(

@@ -45,7 +45,9 @@ def world_option(function: Function) -> Function:
 
 def seed_option(function: Function) -> Function:
     """--seed: of all noise."""
-    return click.option("--seed", type=int, default=0, show_default=True, help="Of all noise.")(function)
+    return click.option(
+        "--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Of all noise."
+    )(function)
 
 
 def plant_option(function: Function) -> Function:
@@ -64,6 +66,16 @@ def set_option(function: Function) -> Function:
 def out_option(text: str, required: bool = False) -> Callable[[Function], Function]:
     """-o: the file to write."""
     return click.option("-o", "--out", "path", type=click.Path(), required=required, help=text)
+
+
+def checked_ending(path: str | None, option: str, *endings: str) -> None:
+    """Refuse a file to write whose ending is not one of these: it may be something else that would be lost.
+
+    Raises:
+        InputError: naming the option and what is allowed.
+    """
+    if path and not path.lower().endswith(endings):
+        raise InputError(f"{option} writes {' or '.join(endings)}; found {path!r}")
 
 
 def split_settings(settings: Sequence[str]) -> tuple[dict[str, Any], dict[str, Any]]:

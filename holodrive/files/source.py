@@ -290,12 +290,15 @@ def _element(entries: list[Any], part: str) -> int | None:
     return int(part) - 1 if part.isdecimal() and 1 <= int(part) <= len(entries) else None
 
 
+_LONGEST_VALUE = 1000  # characters that are worth reading as TOML
+
+
 def _value(value: object) -> object:
-    if not isinstance(value, str):
+    if not isinstance(value, str) or len(value) > _LONGEST_VALUE:
         return value
     try:
         parsed = tomllib.loads(f"value = {value}")
-    except ValueError:
+    except (ValueError, RecursionError):
         return value
     return parsed["value"] if list(parsed) == ["value"] else value
 

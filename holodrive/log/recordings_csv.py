@@ -92,11 +92,17 @@ def _settings(file: _File) -> dict[str, Any]:
     return out
 
 
+_LONGEST_LINE = 500
+
+
 def _take_settings(file: _File, out: dict[str, Any], text: str, line: int, where: str = "") -> None:
     prefix = f"{where}: " if where else ""
+    if any(len(part) > _LONGEST_LINE for part in text.splitlines()):
+        file.fault(line, f"{prefix}a line of more than {_LONGEST_LINE} characters is no setting")
+        return
     try:
         values = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         file.fault(line, f'{prefix}not of the form key = "value": {error}')
         return
     for key, value in values.items():

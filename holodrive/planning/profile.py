@@ -8,6 +8,8 @@ import numpy as np
 from holodrive.errors import InputError
 from holodrive.types import Array
 
+MOST_ROWS = 2_000_000  # of a table: five hours at 10 ms and some hundred megabytes
+
 
 class Profile(NamedTuple):
     """Distance (K,) [m], speed [m/s] and acceleration [m/s^2] at times (K,) [s]."""
@@ -32,6 +34,10 @@ def trapezoid(length_m: float, speed_m_s: float, accel_m_s2: float, step_s: floa
     total = 2.0 * ramp + cruise
     # the corners of the trapezoid are rows, so that no step hides a jump of acceleration
     corners = [0.0, ramp, ramp + cruise, total]
+    if not total / step_s <= MOST_ROWS:
+        raise InputError(
+            f"{length_m:g} m at {speed_m_s:g} m/s take {total:g} s; at most {MOST_ROWS * step_s:g} s are planned"
+        )
     grid = np.linspace(0.0, total, max(2, math.ceil(total / step_s) + 1))
     time = np.unique(np.concatenate([grid, corners]))
     time = time[np.concatenate([[True], np.diff(time) > 1e-9])]

@@ -54,13 +54,10 @@ def _checked(file: str) -> str:
 
 def is_world(file: str) -> bool:
     """Whether a TOML text says that it is a world; what cannot be read counts as a robot, whose reader says why."""
-    import tomllib
+    from holodrive.files import table_names
 
-    try:
-        table = tomllib.loads(Path(file).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return False
-    return "world" in table and "robot" not in table
+    names = table_names(file)
+    return "world" in names and "robot" not in names
 
 
 def _faults(error: HolodriveError, file: str) -> list[dict[str, Any]]:

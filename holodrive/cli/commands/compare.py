@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from holodrive.cli.compiling import compiling
-from holodrive.cli.options import out_option, plant_option, pose_of, seed_option, set_option, split_settings, verb
+from holodrive.cli.options import (
+    checked_ending,
+    out_option,
+    plant_option,
+    pose_of,
+    seed_option,
+    set_option,
+    split_settings,
+    verb,
+)
 from holodrive.cli.output import Output
 from holodrive.errors import InputError
 
@@ -32,10 +41,16 @@ def command(out: Output, what: tuple[str, ...], path: str | None, **options: Any
     """Set controllers side by side in one world with the same seeds, or recorded runs."""
     import holodrive as hd
 
+    checked_ending(path, "--out", ".html", ".htm")
     logs = all(name.endswith(".mcap") for name in what)
     if not logs and len(what) > 1:
         raise InputError(f"compare takes one robot, or logs that end in .mcap; found {' '.join(what)}")
-    groups = {Path(name).stem: [hd.read(name)] for name in what} if logs else _drive(out, what[0], options)
+    short = len({Path(name).stem for name in what}) == len(set(what))
+    groups = (
+        {Path(name).stem if short else name: [hd.read(name)] for name in what}
+        if logs
+        else _drive(out, what[0], options)
+    )
     rows = [_row(name, runs) for name, runs in groups.items()]
     if path:
         hd.report([runs[0] for runs in groups.values()]).save(path)
@@ -65,6 +80,8 @@ def _drive(out: Output, robot: str, options: dict[str, Any]) -> dict[str, list["
                 base = hd.simulate(described, world, plant=options["plant"], seed=seed)
                 run = hd.drive(base, controller, goal=goal, params=params or None)
                 ready()
+                if run.ended == "interrupted":  # half a run is no result
+                    raise KeyboardInterrupt
                 groups.setdefault(controller, []).append(run)
                 update(sum(map(len, groups.values())))
     return groups

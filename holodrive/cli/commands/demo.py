@@ -111,7 +111,10 @@ def _drive(out: Output, stage: Stage, place: Path, seed: int) -> "Run":
                 ready()
             update(done)
 
-        return hd.drive(base, **reference, log=log, progress=progress)
+        run = hd.drive(base, **reference, log=log, progress=progress)
+    if run.ended == "interrupted":  # half a run is no result
+        raise KeyboardInterrupt
+    return run
 
 
 def _row(stage: Stage, run: "Run") -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from holodrive.cli.options import out_option, robot_argument, set_option, split_settings, verb
+from holodrive.cli.options import checked_ending, out_option, robot_argument, set_option, split_settings, verb
 from holodrive.cli.output import Output
 
 
@@ -15,6 +15,7 @@ def command(out: Output, robot: str, settings: tuple[str, ...], path: str | None
     import holodrive as hd
     from holodrive.kinematics import summary
 
+    checked_ending(path, "--out", ".svg")
     overrides, _ = split_settings(settings)
     described = hd.load(robot, overrides)
     if path:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from holodrive.cli.compiling import compiling
-from holodrive.cli.options import out_option, verb
+from holodrive.cli.options import checked_ending, out_option, verb
 from holodrive.cli.output import Output
 from holodrive.cli.recorded import FIGURES, evaluation_row, section
 from holodrive.cli.words import can_be_rerun, outcome, robot_line, world_line
@@ -42,6 +42,7 @@ def command(
     A log tells how it went. A recording's wheel odometry is integrated and judged by the truth in it.
     Without RECORDING, those that come with the package are replayed.
     """
+    checked_ending(path, "--out", ".html", ".svg", ".png", ".gif")
     if recording and recording.endswith(".mcap") and not (odometry or robot or which):
         return _log(out, recording, rerun, path)
     if rerun:

@@ -11,6 +11,7 @@ import click
 from holodrive.cli.compiling import compiling
 from holodrive.cli.faults import INTERRUPTED
 from holodrive.cli.options import (
+    checked_ending,
     out_option,
     plant_option,
     pose_of,
@@ -65,6 +66,8 @@ def command(out: Output, **options: Any) -> int:
     """Drive ROBOT (a name or a file) in a world and say how it went."""
     import holodrive as hd
 
+    checked_ending(options["path"], "--out", ".mcap")
+    checked_ending(options["report_path"], "--report", ".html", ".htm")
     overrides, params = split_settings(options["settings"])
     robot = hd.load(options["robot"], overrides)
     start = pose_of(options["start"], "--start") if options["start"] else None
