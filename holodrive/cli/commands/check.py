@@ -31,9 +31,9 @@ def command(out: Output, files: tuple[str, ...]) -> int:
     if out.json:
         out.data(results)
     good = next((result["file"] for result in results if result["ok"]), None)
-    out.next(
-        f"mend the lines above, then holodrive check {' '.join(files)}" if worst else f"holodrive kinematics {good}"
-    )
+    world = good is not None and is_world(str(good))
+    use = f"holodrive run hybrid3 -w {good}" if world else f"holodrive kinematics {good}"
+    out.next(f"mend the lines above, then holodrive check {' '.join(files)}" if worst else use)
     return worst
 
 

@@ -1,5 +1,6 @@
 """`holodrive compare`."""
 
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -62,7 +63,8 @@ def command(out: Output, what: tuple[str, ...], path: str | None, **options: Any
         out.table(header, [[key, *(row.get(key, "-") for row in rows)] for key in names])
         if path:
             out.line("report", path)
-    out.next(f"holodrive compare {' '.join(what)} -o compare.html" if not path else f"open {path}")
+    again = shlex.join(["holodrive", *out.arguments, "-o", "compare.html"])
+    out.next(again if not path else f"holodrive compare --help; the page is {path}")
 
 
 def _drive(out: Output, robot: str, options: dict[str, Any]) -> dict[str, list["Run"]]:
