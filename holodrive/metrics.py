@@ -103,13 +103,6 @@ class Tally:
         return dict(zip(NAMES, acc[: len(NAMES)].tolist(), strict=True))
 
 
-def of_run(run: "Run", energy_j: float = math.nan) -> dict[str, float]:
-    """All metrics of a recorded run; `energy_j` as in `Tally.result`."""
-    tally = Tally(run.world, run.robot.footprint_radius_m)
-    tally.add(run)
-    return tally.result(energy_j)
-
-
 def of_arrays(
     time: ArrayLike,
     pose: ArrayLike,

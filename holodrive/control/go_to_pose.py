@@ -10,6 +10,7 @@ from numba import njit
 from holodrive import layout
 from holodrive.control.parameters import checked
 from holodrive.interfaces import CommandKind
+from holodrive.kinematics.kernel import wrap
 from holodrive.robots.spec import Robot
 from holodrive.types import Array
 
@@ -48,12 +49,6 @@ def go_to_pose_kernel(obs, memory, params, command):  # type: ignore[no-untyped-
     command[0], command[1], command[2] = scale * vx, scale * vy, scale * omega
     near = math.hypot(dx, dy) <= params[_ARRIVE_M] and abs(turn) <= params[_ARRIVE_RAD]
     command[layout.ARRIVED] = 1.0 if near and obs[layout.REF_LAST] != 0.0 else 0.0
-
-
-@njit(cache=True)
-def wrap(angle):  # type: ignore[no-untyped-def]
-    """Angle [rad] in (-pi, pi]: a goal straight behind is turned to counter-clockwise."""
-    return angle - 2.0 * math.pi * math.ceil((angle - math.pi) / (2.0 * math.pi))
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ import numpy as np
 from numba import njit
 
 from holodrive import layout
-from holodrive.control.go_to_pose import wrap
 from holodrive.control.parameters import checked, speed_of_slowest_wheel
 from holodrive.interfaces import CommandKind
+from holodrive.kinematics.kernel import wrap
 from holodrive.robots.spec import Robot
 from holodrive.types import Array
 
