@@ -114,15 +114,19 @@ def wheels_step(model, state, n, dt):  # type: ignore[no-untyped-def]
         speed = target + gap * model[w + md.MEAN]
         state[st.WHEEL_SPEED + i] = target + gap * model[w + md.DECAY]
         state[st.WHEEL_ANGLE + i] += speed * dt
-        if model[w + md.STEERED] >= 0.0:
-            speed, across = steered_rim(model, state, w, speed)
-            vx += model[w + md.BACK_ACROSS] * across
-            vy += model[w + md.BACK_ACROSS + 1] * across
-            omega += model[w + md.BACK_ACROSS + 2] * across
-        vx += model[w + md.BACK] * speed
-        vy += model[w + md.BACK + 1] * speed
-        omega += model[w + md.BACK + 2] * speed
+        vx, vy, omega = with_wheel(model, state, w, speed, vx, vy, omega)
     return vx, vy, omega
+
+
+@leaf
+def with_wheel(model, state, w, speed, vx, vy, omega):  # type: ignore[no-untyped-def]
+    """The twist (3) with what one wheel at `speed` [rad/s] adds to it by least squares."""
+    if model[w + md.STEERED] >= 0.0:
+        speed, across = steered_rim(model, state, w, speed)
+        vx += model[w + md.BACK_ACROSS] * across
+        vy += model[w + md.BACK_ACROSS + 1] * across
+        omega += model[w + md.BACK_ACROSS + 2] * across
+    return vx + model[w + md.BACK] * speed, vy + model[w + md.BACK + 1] * speed, omega + model[w + md.BACK + 2] * speed
 
 
 @leaf
@@ -131,14 +135,7 @@ def twist_of_wheels(model, state, n):  # type: ignore[no-untyped-def]
     vx = vy = omega = 0.0
     for i in range(n):
         w, speed = md.WHEELS + i * md.BLOCK, state[st.WHEEL_SPEED + i]
-        if model[w + md.STEERED] >= 0.0:
-            speed, across = steered_rim(model, state, w, speed)
-            vx += model[w + md.BACK_ACROSS] * across
-            vy += model[w + md.BACK_ACROSS + 1] * across
-            omega += model[w + md.BACK_ACROSS + 2] * across
-        vx += model[w + md.BACK] * speed
-        vy += model[w + md.BACK + 1] * speed
-        omega += model[w + md.BACK + 2] * speed
+        vx, vy, omega = with_wheel(model, state, w, speed, vx, vy, omega)
     state[st.TWIST], state[st.TWIST + 1], state[st.TWIST + 2] = vx, vy, omega
 
 
