@@ -191,7 +191,7 @@ def rollout(
         given = params if isinstance(params, dict) else None
         worlds_goals = "reference" not in options and "goals" not in options
         places = place if isinstance(place, list) else [place]
-        plugs = [control.plug(controller, _arrival(one, controller, given, worlds_goals)) for one in places]
+        plugs = [control.compiled(controller, _arrival(one, controller, given, worlds_goals)) for one in places]
         controller = plugs[0]
         if packed is None and len(plugs) > 1:
             packed = np.array([plug.pack(described) for plug in plugs])

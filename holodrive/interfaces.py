@@ -91,4 +91,27 @@ class ControllerPlug(Plug, Protocol):
     command_kind: ClassVar[CommandKind]
 
 
-__all__ = ["Base", "Command", "CommandKind", "Controller", "ControllerPlug", "Estimator", "Plug", "ReferenceSource"]
+class PlainPlug(Protocol):
+    """Parameters of a controller that cannot be compiled, such as one that calls a solver: it only drives in the loop.
+
+    A frozen dataclass, registered as a `ControllerPlug` is; it has no `kernel`.
+    """
+
+    command_kind: ClassVar[CommandKind]
+
+    def controller(self, robot: "Robot") -> Controller:
+        """A controller for this robot, at its beginning."""
+        ...
+
+
+__all__ = [
+    "Base",
+    "Command",
+    "CommandKind",
+    "Controller",
+    "ControllerPlug",
+    "Estimator",
+    "PlainPlug",
+    "Plug",
+    "ReferenceSource",
+]

@@ -8,10 +8,10 @@ from holodrive.control.custom import FunctionController, KernelPlug
 from holodrive.control.kernel import KernelController
 from holodrive.control.parameters import made
 from holodrive.errors import InputError, UnknownName
-from holodrive.interfaces import Controller, ControllerPlug
+from holodrive.interfaces import Controller, ControllerPlug, PlainPlug
 from holodrive.robots.spec import Robot
 
-# name -> "module:class" of a frozen parameter class (interfaces.ControllerPlug)
+# name -> "module:class" of a frozen parameter class (interfaces.ControllerPlug or PlainPlug)
 CONTROLLERS: dict[str, str] = {
     "go_to_pose": "holodrive.control.go_to_pose:GoToPose",
     "pid": "holodrive.control.pid:Pid",
@@ -38,14 +38,31 @@ def plug_class(name: str) -> Any:
     raise UnknownName("controller", name, names())
 
 
-def plug(name: str, params: dict[str, Any] | None = None) -> ControllerPlug:
+def plug(name: str, params: dict[str, Any] | None = None) -> ControllerPlug | PlainPlug:
     """A controller's parameters, `params` over its defaults.
 
     Raises:
         UnknownName: no such controller.
         InputError: no such parameter, or a value that it does not allow.
     """
-    result: ControllerPlug = made(f"controller {name}", plug_class(name), params or {})
+    result: ControllerPlug | PlainPlug = made(f"controller {name}", plug_class(name), params or {})
+    return result
+
+
+def compiled(name: str, params: dict[str, Any] | None = None) -> ControllerPlug:
+    """As `plug`, for roll-outs.
+
+    Raises:
+        UnknownName, InputError: as `plug`, or a controller without a kernel.
+    """
+    found: Any = plug(name, params)
+    if not hasattr(found, "kernel"):
+        with_kernel = [known for known in names() if hasattr(plug_class(known), "kernel")]
+        raise InputError(
+            f"controller {name!r} has no compiled kernel: it drives in the ordinary loop (hd.drive) only; "
+            f"those for roll-outs: {', '.join(with_kernel)}"
+        )
+    result: ControllerPlug = found
     return result
 
 
@@ -53,7 +70,8 @@ def controller(what: Any, robot: Robot, params: dict[str, Any] | None = None) ->
     """A controller for the ordinary loop.
 
     Args:
-        what: a registered name; a plug with a kernel; a controller; or a function of reference, estimate, observation.
+        what: a registered name; a plug, compiled or plain; a controller; or a function of reference, estimate and
+            observation.
         robot: to be driven.
         params: over a named controller's defaults.
 
@@ -61,11 +79,14 @@ def controller(what: Any, robot: Robot, params: dict[str, Any] | None = None) ->
         UnknownName, InputError: as `plug`, or something that cannot control.
     """
     if isinstance(what, str):
-        return KernelController(plug(what, params), robot)
+        return controller(plug(what, params), robot)
     if params:
         raise InputError("params go with a controller's name; set the parameters of a controller object on itself")
     if hasattr(what, "kernel"):
         return KernelController(what, robot)
+    if hasattr(what, "controller"):
+        plain: PlainPlug = what
+        return plain.controller(robot)
     if hasattr(what, "step") and hasattr(what, "reset"):
         controller_object: Controller = what
         return controller_object
@@ -80,6 +101,7 @@ __all__ = [
     "FunctionController",
     "KernelController",
     "KernelPlug",
+    "compiled",
     "controller",
     "names",
     "plug",

@@ -33,6 +33,10 @@ def robot(source: Source) -> Robot:
                 at_key=True,
             )
     base, fields = _section(RobotForm, "robot", source, required=True)
+    for number, name in enumerate(fields.get("accept", [])):
+        if name not in checks.ACCEPTABLE:
+            place = ("robot", "accept", number)
+            source.fault(place, f"{shown(name)} cannot be accepted", meant(name, checks.ACCEPTABLE))
     all_wheels = wheels(source)
     lidar, imu, mice = _sensors(source)
     battery = _battery(source, all_wheels)

@@ -4,6 +4,7 @@ from dataclasses import asdict
 from typing import Any
 
 from holodrive.files.write import table
+from holodrive.robots.checks import WHEELS_OUTSIDE, reach
 from holodrive.robots.spec import Encoder, Imu, Lidar, Motor, Mouse, Robot, WheelSpec
 from holodrive.types import Pose
 
@@ -28,12 +29,14 @@ def text(robot: Robot) -> str:
 
 def _robot(robot: Robot) -> str:
     x, y = robot.centre_of_mass
+    outside = reach(robot.wheels) > robot.footprint_radius_m * (1.0 + 1e-9)
     return table(
         ("robot",),
         {
             "name": robot.name,
             "title": robot.title or None,
             "source": robot.source or None,
+            "accept": [WHEELS_OUTSIDE] if outside else None,
             "mass": robot.mass_kg,
             "inertia": robot.inertia_kg_m2,
             "centre_of_mass": {"x": x, "y": y},

@@ -8,6 +8,8 @@ from typing import Any
 from holodrive.files.source import Source
 from holodrive.robots.spec import WheelSpec
 
+WHEELS_OUTSIDE = "wheels-outside-footprint"  # what a file accepts when its footprint is meant to be that small
+ACCEPTABLE = (WHEELS_OUTSIDE,)
 NEAREST_DEG = 1.0  # to 0 and 90 deg: nearer, a Mecanum roller is an omni's, or cannot be driven
 
 
@@ -37,15 +39,19 @@ def whole(
 
 
 def _footprint(wheels: list[WheelSpec], robot: Mapping[str, Any], source: Source) -> None:
-    stated = robot.get("footprint_radius")
-    if stated is None or not wheels:
+    stated, accepts = robot.get("footprint_radius"), WHEELS_OUTSIDE in robot.get("accept", [])
+    if not wheels:
         return
     far = max(wheels, key=lambda wheel: reach([wheel]))
-    if reach([far]) > stated * (1.0 + 1e-9):
+    outside = stated is not None and reach([far]) > stated * (1.0 + 1e-9)
+    if outside and not accepts:
         source.fault(
             ("robot", "footprint_radius"),
             f"the footprint must enclose all wheels: {far.name} reaches {reach([far]):.4g} m, found {stated:.4g} m",
+            f'if that is meant, write accept = ["{WHEELS_OUTSIDE}"] under [robot]',
         )
+    if accepts and not outside:
+        source.fault(("robot", "accept"), "all wheels are inside the footprint; leave 'accept' out")
 
 
 def _speed(wheels: list[WheelSpec], stated: float, source: Source) -> None:

@@ -159,6 +159,7 @@ class RobotForm(Form):
     name: str = Field(description="a short name")
     title: str = Field(default="", description="one line for people")
     source: str = Field(default="", description="where the numbers come from")
+    accept: list[str] = Field(default=[], description='faults that are meant: "wheels-outside-footprint"')
     mass: Annotated[float, Quantity("mass", 1e-6, 1e6)] = Field(description='of the whole robot, such as "3.26 kg"')
     inertia: Annotated[float, Quantity("inertia", 1e-12, 1e9)] | None = Field(
         default=None, description="about the centre of mass; without it a disc out to the farthest wheel: 1/2 m R^2"

@@ -6,6 +6,7 @@ from typing import Any
 from holodrive.files.edge import Form
 from holodrive.files.json_schema import Schema, by_name, definitions, document, ref, text
 from holodrive.robots import motors, sensors
+from holodrive.robots.checks import ACCEPTABLE
 from holodrive.robots.form import (
     BatteryForm,
     EncoderForm,
@@ -29,6 +30,7 @@ def robot() -> Schema:
     forms: list[type[Form]] = [RobotForm, WheelForm, MotorForm, EncoderForm, LidarForm, ImuForm, MouseForm]
     parts = definitions([*forms, BatteryForm, GroundForm, LimitsForm, SpeedLoopForm])
     parts["At"]["oneOf"] = _PLACES
+    parts["RobotForm"]["properties"]["accept"]["items"] = {"enum": list(ACCEPTABLE)}
     for name in ("LidarForm", "ImuForm", "MouseForm"):
         needed = parts[name].pop("required")
         parts[name]["anyOf"] = [{"required": ["model"]}, {"required": needed}]

@@ -8,11 +8,12 @@ from holodrive import control, references
 
 ROBOTS = ("hybrid3", "mecanum4", "swerve3")
 GOAL = (0.4, -0.2, 0.5)
+COMPILED = [name for name in control.names() if hasattr(control.plug_class(name), "kernel")]
 
 
 @pytest.mark.parametrize("plant", ["first_order", "slip"])
 @pytest.mark.parametrize("robot", ROBOTS)
-@pytest.mark.parametrize("name", control.names())
+@pytest.mark.parametrize("name", COMPILED)
 def test_the_roll_out_and_the_ordinary_loop_drive_the_same_run(name, robot, plant):
     """The same seed, the same noise, the same kernels: the same poses at every tick."""
     time = 3.0

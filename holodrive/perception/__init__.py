@@ -1,0 +1,1 @@
+"""Scan to sectors, de-skewed points, clusters: what a lidar says about the room, in the robot's own frame."""
