@@ -7,7 +7,7 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -139,7 +139,7 @@ def drive(
     length = _length(duration_s, table)
     asked_for_nothing = goal is None and waypoints is None and trajectory is None
     if isinstance(controller, str):
-        params = _arrival(place, controller, params, asked_for_nothing)
+        params = control.with_arrival(controller, params, place if asked_for_nothing else None)
     settings = _settings(base, controller, estimator, params, table, start, length, stop_on_arrival)
     driver = control.controller(controller, robot, params)
     believer = estimation.estimator(estimator, robot) if isinstance(estimator, str) else estimator
@@ -191,7 +191,10 @@ def rollout(
         given = params if isinstance(params, dict) else None
         worlds_goals = "reference" not in options and "goals" not in options
         places = place if isinstance(place, list) else [place]
-        plugs = [control.compiled(controller, _arrival(one, controller, given, worlds_goals)) for one in places]
+        plugs = [
+            control.compiled(controller, control.with_arrival(controller, given, one if worlds_goals else None))
+            for one in places
+        ]
         controller = plugs[0]
         if packed is None and len(plugs) > 1:
             packed = np.array([plug.pack(described) for plug in plugs])
@@ -357,19 +360,6 @@ def _pose(value: Any, start: Pose, what: str) -> tuple[float, float, float]:
     if value.shape not in ((2,), (3,)):
         raise InputError(f"{what} is (x, y) or (x, y, theta); found {value.tolist()}")
     return (float(value[0]), float(value[1]), float(value[2]) if len(value) == 3 else start.theta)
-
-
-def _arrival(place: World | None, controller: str, params: dict[str, Any] | None, own_goal: bool) -> dict[str, Any]:
-    """The world's tolerances become the controller's, where it has such parameters and the user did not say."""
-    given = dict(params or {})
-    if not own_goal or place is None or place.goal is None:
-        return given
-    known = {field.name for field in fields(control.plug_class(controller))}
-    wanted = {
-        "arrive_m": place.goal.tolerance_m,
-        "arrive_rad": place.goal.tolerance_rad if place.goal.heading_matters else math.pi,
-    }
-    return {**{name: value for name, value in wanted.items() if name in known}, **given}
 
 
 def _world(name_or_path: str | Path | World | None) -> World:

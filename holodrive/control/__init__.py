@@ -1,5 +1,7 @@
 """Reference and estimate in, command out. A new controller is one file and one line in `CONTROLLERS`."""
 
+import math
+from dataclasses import fields
 from importlib import import_module
 from importlib.metadata import entry_points
 from typing import Any
@@ -10,6 +12,7 @@ from holodrive.control.parameters import made
 from holodrive.errors import InputError, UnknownName
 from holodrive.interfaces import Controller, ControllerPlug, PlainPlug
 from holodrive.robots.spec import Robot
+from holodrive.worlds.spec import World
 
 # name -> "module:class" of a frozen parameter class (interfaces.ControllerPlug or PlainPlug)
 CONTROLLERS: dict[str, str] = {
@@ -66,6 +69,28 @@ def compiled(name: str, params: dict[str, Any] | None = None) -> ControllerPlug:
     return result
 
 
+def with_arrival(name: str, params: dict[str, Any] | None, world: World | None) -> dict[str, Any]:
+    """`params` of a controller that drives to a world's goal: the goal's tolerances are its own where nothing is said.
+
+    Args:
+        name: of the controller; one without `arrive_m` and `arrive_rad` takes none.
+        params: what the user said; it has precedence.
+        world: None where the goal is not a world's.
+
+    Raises:
+        UnknownName: no such controller.
+    """
+    given = dict(params or {})
+    if world is None or world.goal is None:
+        return given
+    known = {field.name for field in fields(plug_class(name))}
+    wanted = {
+        "arrive_m": world.goal.tolerance_m,
+        "arrive_rad": world.goal.tolerance_rad if world.goal.heading_matters else math.pi,
+    }
+    return {**{key: value for key, value in wanted.items() if key in known}, **given}
+
+
 def controller(what: Any, robot: Robot, params: dict[str, Any] | None = None) -> Controller:
     """A controller for the ordinary loop.
 
@@ -106,4 +131,5 @@ __all__ = [
     "names",
     "plug",
     "plug_class",
+    "with_arrival",
 ]

@@ -24,15 +24,14 @@ from holodrive.cli.options import (
     world_option,
 )
 from holodrive.cli.output import Output
+from holodrive.cli.path_options import path_options, trajectory_of
 from holodrive.cli.words import can_be_rerun, file_size, outcome, robot_line, world_line
 from holodrive.errors import InputError
 
 if TYPE_CHECKING:
     from holodrive.log.run import Run
-    from holodrive.references import Table
     from holodrive.sim import SimBase
 
-PATHS = ("circle", "infinity", "eight")
 KEYS_DURATION_S = 3600.0
 
 
@@ -50,9 +49,7 @@ KEYS_DURATION_S = 3600.0
 @click.option(
     "--via", multiple=True, metavar="X,Y[,HEADING]", help="A way point; may be repeated, the last is the goal."
 )
-@click.option("--path", "shape", type=click.Choice(PATHS), help="A path to follow from the start.")
-@click.option("--size", default="0.5 m", show_default=True, help="Radius or half width of the path.")
-@click.option("--speed", default="0.1 m/s", show_default=True, help="Along the path.")
+@path_options
 @click.option("--keys", is_flag=True, help="Drive by keyboard in this terminal.")
 @click.option("--start", metavar="X,Y[,HEADING]", help="Where to start; the world's start when not given.")
 @click.option("--duration", metavar="TIME", help="At most so long on the robot's clock: 30 or '2 min'.")
@@ -148,20 +145,7 @@ def _goals(base: "SimBase", options: dict[str, Any]) -> dict[str, Any]:
         if len({len(point) for point in points}) > 1:
             raise InputError("--via: give all way points a heading or none")
         return {"waypoints": points}
-    return {"trajectory": _trajectory(base, options)} if options["shape"] else {}
-
-
-def _trajectory(base: "SimBase", options: dict[str, Any]) -> "Table":
-    from holodrive import planning
-
-    size = quantity_of(options["size"], "--size", "length")
-    x, y, theta = base.truth
-    path = (
-        planning.circle(size, (x - size, y))
-        if options["shape"] == "circle"
-        else planning.lemniscate(size, (x, y), upright=options["shape"] == "eight")
-    )
-    return planning.follow(path, quantity_of(options["speed"], "--speed", "speed"), heading_rad=theta)
+    return {"trajectory": trajectory_of(options, base.truth)} if options["shape"] else {}
 
 
 def _by_keys(out: Output, base: "SimBase", options: dict[str, Any]) -> "Run":
