@@ -4,6 +4,7 @@ from holodrive.reports.exporting import export
 from holodrive.reports.page import Report, report
 from holodrive.reports.rendering import render
 from holodrive.reports.sections import (
+    ChartSection,
     ComparisonSection,
     RecordingSection,
     RunSection,
@@ -14,6 +15,7 @@ from holodrive.reports.sections import (
 from holodrive.reports.tables import Table, metric_table, table
 
 __all__ = [
+    "ChartSection",
     "ComparisonSection",
     "RecordingSection",
     "Report",

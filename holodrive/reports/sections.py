@@ -156,6 +156,20 @@ class RecordingSection:
 
 
 @dataclass(frozen=True)
+class ChartSection:
+    """Charts under a heading."""
+
+    title: str
+    charts: tuple[Chart, ...]
+    note: str = ""
+
+    def html(self) -> str:
+        """What stands under the heading."""
+        figures = "".join(f"<figure>{chart.svg()}</figure>" for chart in self.charts if chart.known())
+        return parts.note(self.note) + f'<div class="charts two">{figures}</div>'
+
+
+@dataclass(frozen=True)
 class TableSection:
     """A table under a heading."""
 

@@ -7,10 +7,13 @@ from holodrive.tuning.objective import Objective
 from holodrive.tuning.space import Range, Space, parse_range, space
 from holodrive.tuning.statistics import interval_of_mean, wilson
 from holodrive.tuning.sweep import Sweep, sweep
-from holodrive.tuning.tune import Problem, Step, tune
+from holodrive.tuning.tune import HELD_OUT, TRAIN, VALIDATION, Problem, Step, tune
 from holodrive.tuning.tuned import Generation, Tuned, read
 
 __all__ = [
+    "HELD_OUT",
+    "TRAIN",
+    "VALIDATION",
     "Backend",
     "Generation",
     "Job",

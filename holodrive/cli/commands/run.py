@@ -24,6 +24,7 @@ from holodrive.cli.options import (
     world_option,
 )
 from holodrive.cli.output import Output
+from holodrive.cli.params_file import params_option, with_file
 from holodrive.cli.path_options import path_options, trajectory_of
 from holodrive.cli.words import can_be_rerun, file_size, outcome, robot_line, world_line
 from holodrive.errors import InputError
@@ -57,6 +58,7 @@ KEYS_DURATION_S = 3600.0
 @plant_option
 @seed_option
 @set_option
+@params_option
 @click.option("--report", "report_path", type=click.Path(), help="Write a one-file HTML report.")
 @out_option("Write a log (MCAP).")
 def command(out: Output, **options: Any) -> int:
@@ -66,6 +68,7 @@ def command(out: Output, **options: Any) -> int:
     checked_ending(options["path"], "--out", ".mcap")
     checked_ending(options["report_path"], "--report", ".html", ".htm")
     overrides, params = split_settings(options["settings"])
+    options["controller"], params = with_file(options["params_path"], options["controller"], params)
     robot = hd.load(options["robot"], overrides)
     start = pose_of(options["start"], "--start") if options["start"] else None
     if start is not None and len(start) == 2:
