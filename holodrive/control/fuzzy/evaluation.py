@@ -31,14 +31,12 @@ def evaluate(system: System, x: ArrayLike, clamp: bool = True) -> Array:
     Raises:
         InputError: x is not numeric or its last axis is not n_in.
     """
-    limit = 1.0 if clamp else 0.0
-    rows = _inputs(system, x)
+    rows, limit = _inputs(system, x), 1.0 if clamp else 0.0
     if rows.ndim == 1:
-        return np.asarray(_one(system.packed, rows, limit))
-    flat = np.ascontiguousarray(rows.reshape(-1, rows.shape[-1]))
-    out = np.empty((len(flat), len(system.outputs)))
-    _in_threads(lambda cut: _many(system.packed, flat[cut], limit, out[cut]), len(flat))
-    return out.reshape(*rows.shape[:-1], len(system.outputs))
+        out = np.empty(len(system.outputs))  # made here: giving an array back from a kernel takes twice as long
+        _one(system.packed, rows, limit, out)
+        return out
+    return _evaluate_rows(system, rows, limit)
 
 
 def strengths(system: System, x: ArrayLike, clamp: bool = True) -> Array:
@@ -71,9 +69,16 @@ def aggregated(system: System, x: ArrayLike, output_index: int, clamp: bool = Tr
     return found[fresh, 0], found[fresh, 1]
 
 
+def _evaluate_rows(system: System, rows: Array, limit: float) -> Array:
+    flat = np.ascontiguousarray(rows.reshape(-1, rows.shape[-1]))
+    out = np.empty((len(flat), len(system.outputs)))
+    _in_threads(lambda cut: _many(system.packed, flat[cut], limit, out[cut]), len(flat))
+    return out.reshape(*rows.shape[:-1], len(system.outputs))
+
+
 def _inputs(system: System, x: ArrayLike) -> Array:
     try:
-        rows = np.asarray(x, dtype=np.float64)
+        rows = np.asarray(x, dtype=np.float64, order="C")
     except (TypeError, ValueError) as error:
         raise InputError(f"inputs of {system.name!r} must be numbers: {error}") from error
     if rows.ndim == 0 or rows.shape[-1] != len(system.inputs):
@@ -95,10 +100,9 @@ def _in_threads(run: Callable[[slice], object], n: int) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def _one(spec, x, clamp):  # type: ignore[no-untyped-def]
-    out, work = np.empty(int(spec[pk.N_OUT])), np.empty(int(spec[pk.WORK]))
+def _one(spec, x, clamp, out):  # type: ignore[no-untyped-def]
+    work = np.empty(int(spec[pk.WORK]))
     kernel.evaluate_into(spec, x, clamp, out, work)
-    return out
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -142,14 +146,13 @@ def _aggregate(spec, x, clamp, output):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def _sugeno_stems(spec, at, output, work):  # type: ignore[no-untyped-def]
-    n_in, n_rules = int(spec[pk.N_IN]), int(spec[pk.N_RULES])
-    stems = np.empty((n_rules, 2))
+    fired, column = kernel.fired_at(spec), pk.SLOTS + int(spec[pk.N_IN]) + output
+    stems = np.empty((int(work[fired]), 2))
     n = 0
-    for r in range(n_rules):
-        place = int(spec[pk.AT_RULES]) + r * (2 + n_in + int(spec[pk.N_OUT])) + 2 + n_in + output
-        weight = work[n_in + int(spec[pk.N_SLOTS]) + r]
-        if spec[place] > 0.0 and weight > 0.0:
-            stems[n, 0], stems[n, 1] = kernel.conclusion(spec, at, int(spec[place]) - 1, work), weight
+    for k in range(len(stems)):
+        number = int(spec[int(work[fired + 1 + 2 * k]) + column])
+        if number > 0:
+            stems[n, 0], stems[n, 1] = kernel.conclusion(spec, at, number - 1, work), work[fired + 2 + 2 * k]
             n += 1
     return stems[:n][np.argsort(stems[:n, 0])]
 

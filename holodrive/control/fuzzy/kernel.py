@@ -55,72 +55,102 @@ def strengths_into(spec, x, clamp, strengths):  # type: ignore[no-untyped-def]
     n_in, n_out, at_slots = int(spec[pk.N_IN]), int(spec[pk.N_OUT]), int(spec[pk.AT_SLOTS])
     missing = _any_nan(x, n_in)
     for r in range(int(spec[pk.N_RULES])):
-        at = int(spec[pk.AT_RULES]) + r * (2 + n_in + n_out)
+        at = int(spec[pk.AT_RULES]) + r * (pk.SLOTS + n_in + n_out)
         strength = -1.0  # nothing joined yet
         for i in range(n_in):
-            slot = int(spec[at + 2 + i])
+            slot = int(spec[at + pk.SLOTS + i])
             if slot != 0:
                 record = int(spec[at_slots + 2 * (abs(slot) - 1)])
                 mu = degree(spec, record, _clamped(spec, x[i], i, clamp))
                 strength = joined(spec, spec[at], strength, mu if slot > 0 else 1.0 - mu)
-        strengths[r] = math.nan if missing else _heard(strength * spec[at + 1])
+        strength *= spec[at + pk.WEIGHT]
+        strengths[r] = math.nan if missing else strength if strength > SILENT else 0.0
 
 
 @leaf
 def fire_into(spec, x, clamp, work):  # type: ignore[no-untyped-def]
-    """Inputs, degrees and strengths of all rules into `work`; whether all inputs are numbers."""
+    """Inputs, degrees, and the list of the rules that fire into `work`; whether all inputs are numbers.
+
+    The list: how many, then place of the rule and its strength for each.
+    """
     n_in, n_out, n_slots = int(spec[pk.N_IN]), int(spec[pk.N_OUT]), int(spec[pk.N_SLOTS])
     if _any_nan(x, n_in):
         return False
     for i in range(n_in):
         work[i] = _clamped(spec, x[i], i, clamp)
-    at_slots, n_rules = int(spec[pk.AT_SLOTS]), int(spec[pk.N_RULES])
-    for slot in range(n_slots):
-        work[n_in + slot] = degree(spec, int(spec[at_slots + 2 * slot]), work[int(spec[at_slots + 2 * slot + 1])])
-    at = int(spec[pk.AT_RULES])
-    for r in range(n_rules):
-        strength = -1.0
-        for i in range(n_in):
-            slot = int(spec[at + 2 + i])
-            if slot > 0:
-                strength = joined(spec, spec[at], strength, work[n_in + slot - 1])
-            elif slot < 0:
-                strength = joined(spec, spec[at], strength, 1.0 - work[n_in - slot - 1])
-        work[n_in + n_slots + r] = _heard(strength * spec[at + 1])
-        at += 2 + n_in + n_out
+    silent = _degrees(spec, n_in, n_slots, work)
+    at, fired = int(spec[pk.AT_RULES]), n_in + n_slots
+    n = 0
+    for _ in range(int(spec[pk.N_RULES])):
+        if int(spec[at + pk.NEEDS]) & silent == 0:  # most rules end here
+            strength = _strength(spec, at, n_in, work)
+            if strength > SILENT:
+                work[fired + 1 + 2 * n], work[fired + 2 + 2 * n] = at, strength
+                n += 1
+        at += pk.SLOTS + n_in + n_out
+    work[fired] = n
     return True
 
 
 @leaf
+def _degrees(spec, n_in, n_slots, work):  # type: ignore[no-untyped-def]
+    """Degrees of all slots into `work`; the slots that are 0, as bits."""
+    at_slots = int(spec[pk.AT_SLOTS])
+    silent = 0
+    for slot in range(n_slots):
+        mu = degree(spec, int(spec[at_slots + 2 * slot]), work[int(spec[at_slots + 2 * slot + 1])])
+        work[n_in + slot] = mu
+        if mu == 0.0 and slot < pk.BITS:
+            silent |= 1 << slot
+    return silent
+
+
+@leaf
+def _strength(spec, at, n_in, work):  # type: ignore[no-untyped-def]
+    """Of the rule at `at`, weight included."""
+    strength = -1.0
+    for i in range(n_in):
+        slot = int(spec[at + pk.SLOTS + i])
+        if slot > 0:
+            strength = joined(spec, spec[at], strength, work[n_in + slot - 1])
+        elif slot < 0:
+            strength = joined(spec, spec[at], strength, 1.0 - work[n_in - slot - 1])
+    return strength * spec[at + pk.WEIGHT]
+
+
+@leaf
 def raise_heights(spec, at, output, work):  # type: ignore[no-untyped-def]
-    """Height of each of an output's sets from the strengths in `work`; whether any is above 0.
+    """Height of each of an output's sets from the rules that fire; whether any of these speaks of this output.
 
     Cutting or scaling a set by several strengths and taking the greatest is the same as doing so by the greatest
     strength; scaled sets add up as their strengths. Only sets that are cut and then added must be taken rule by rule,
     see `list_parts`.
     """
-    n_in, n_out, n_rules = int(spec[pk.N_IN]), int(spec[pk.N_OUT]), int(spec[pk.N_RULES])
-    strengths, heights = n_in + int(spec[pk.N_SLOTS]), heights_at(spec)
+    heights, fired = heights_at(spec), fired_at(spec)
     for k in range(int(spec[at + pk.N_SETS])):
         work[heights + k] = 0.0
     adds = int(spec[pk.AGGREGATION]) == pk.SUM
-    column = int(spec[pk.AT_RULES]) + 2 + n_in + output
+    column = pk.SLOTS + int(spec[pk.N_IN]) + output
     fires = False
-    for r in range(n_rules):
-        strength = work[strengths + r]
-        if strength > 0.0:
-            number = int(spec[column + r * (2 + n_in + n_out)])
-            if number > 0:
-                fires = True
-                place = heights + number - 1
-                work[place] = work[place] + strength if adds else max(work[place], strength)
+    for k in range(int(work[fired])):
+        number, strength = int(spec[int(work[fired + 1 + 2 * k]) + column]), work[fired + 2 + 2 * k]
+        if number > 0:
+            fires = True
+            place = heights + number - 1
+            work[place] = work[place] + strength if adds else max(work[place], strength)
     return fires
+
+
+@leaf
+def fired_at(spec):  # type: ignore[no-untyped-def]
+    """Place of the list of rules that fire in `work`."""
+    return int(spec[pk.N_IN]) + int(spec[pk.N_SLOTS])
 
 
 @leaf
 def heights_at(spec):  # type: ignore[no-untyped-def]
     """Place of the heights in `work`."""
-    return int(spec[pk.N_IN]) + int(spec[pk.N_SLOTS]) + int(spec[pk.N_RULES])
+    return fired_at(spec) + 1 + 2 * int(spec[pk.N_RULES])
 
 
 @leaf
@@ -132,15 +162,14 @@ def parts_at(spec):  # type: ignore[no-untyped-def]
 @leaf
 def list_parts(spec, at, output, work):  # type: ignore[no-untyped-def]
     """The sets with their heights, or the rules' sets with their strengths, for `area`: number, set, height ..."""
-    parts, heights = parts_at(spec), heights_at(spec)
-    column = int(spec[pk.AT_RULES]) + 2 + int(spec[pk.N_IN]) + output
+    parts, heights, fired = parts_at(spec), heights_at(spec), fired_at(spec)
+    column = pk.SLOTS + int(spec[pk.N_IN]) + output
     n = 0
     if int(spec[pk.AGGREGATION]) == pk.SUM and int(spec[pk.IMPLICATION]) == pk.MIN:
-        step, strengths = 2 + int(spec[pk.N_IN]) + int(spec[pk.N_OUT]), heights - int(spec[pk.N_RULES])
-        for r in range(int(spec[pk.N_RULES])):
-            number = int(spec[column + r * step])
-            if number > 0 and work[strengths + r] > 0.0:
-                work[parts + 1 + 2 * n], work[parts + 2 + 2 * n] = number - 1, work[strengths + r]
+        for k in range(int(work[fired])):
+            number = int(spec[int(work[fired + 1 + 2 * k]) + column])
+            if number > 0:
+                work[parts + 1 + 2 * n], work[parts + 2 + 2 * n] = number - 1, work[fired + 2 + 2 * k]
                 n += 1
     else:
         for k in range(int(spec[at + pk.N_SETS])):
@@ -153,13 +182,11 @@ def list_parts(spec, at, output, work):  # type: ignore[no-untyped-def]
 @leaf
 def _sugeno(spec, at, output, work):  # type: ignore[no-untyped-def]
     """Mean or sum of the conclusions, weighted by strength."""
-    n_in, n_out, n_rules = int(spec[pk.N_IN]), int(spec[pk.N_OUT]), int(spec[pk.N_RULES])
-    strengths, step = n_in + int(spec[pk.N_SLOTS]), 2 + n_in + n_out
-    column = int(spec[pk.AT_RULES]) + 2 + n_in + output
+    fired, column = fired_at(spec), pk.SLOTS + int(spec[pk.N_IN]) + output
     total, weights = 0.0, 0.0
-    for r in range(n_rules):
-        number, weight = int(spec[column + r * step]), work[strengths + r]
-        if number > 0 and weight > 0.0:
+    for k in range(int(work[fired])):
+        number, weight = int(spec[int(work[fired + 1 + 2 * k]) + column]), work[fired + 2 + 2 * k]
+        if number > 0:
             total += weight * conclusion(spec, at, number - 1, work)
             weights += weight
     if weights == 0.0:
@@ -234,11 +261,6 @@ def _median(spec, at, heights, half):  # type: ignore[no-untyped-def]
         if heights[k] > 0.0 and below >= half and place < best:
             best = place
     return best
-
-
-@leaf
-def _heard(strength):  # type: ignore[no-untyped-def]
-    return strength if strength > SILENT else 0.0
 
 
 @leaf

@@ -36,6 +36,8 @@ SUM = 1
 CENTROID, BISECTOR, MOM, SOM, LOM, WTAVER, WTSUM = range(7)
 TRAPEZOID, GAUSSIAN, BELL, SINGLETON, POLYLINE = range(5)  # kinds of input sets
 
+WEIGHT, NEEDS, SLOTS = 1, 2, 3  # of a rule
+BITS = 53  # slots that have a bit in NEEDS: a double holds no more
 FORM, N_SETS, N_TABLE, TABLE = range(4)  # of an output's block
 SUGENO, SINGLETONS, SAMPLES, CELLS, ORDERED = range(5)
 SAMPLE_COUNT = 101  # of fuzzylab
@@ -81,11 +83,13 @@ def work_size(packed: Array) -> int:
 
 
 def _work_size(header: Array) -> int:
-    """Inputs, degrees, strengths; of one output heights and parts (5 each, and their number); points of a cell (2)."""
+    """Inputs, degrees, rules that fire (2 each and their number); of one output heights and parts (5 each and their
+    number); points of a cell (2 each).
+    """
     most, n_rules = int(header[MOST_SETS]), int(header[N_RULES])
     parts = max(most, n_rules)
     points = 2 + max(most + 3 * most * (most - 1) // 2, n_rules)
-    return int(header[N_IN] + header[N_SLOTS]) + n_rules + most + 1 + 5 * parts + 2 * points
+    return int(header[N_IN] + header[N_SLOTS]) + 1 + 2 * n_rules + most + 1 + 5 * parts + 2 * points
 
 
 def _slots(system: described.System, at: int) -> Array:
@@ -103,13 +107,14 @@ def _record(one: Set) -> list[float]:
 
 
 def _rules(system: described.System) -> Array:
-    """(n_rules, 2 + n_in + n_out); fuzzylab keeps output j's conclusions in place j - 1 (its evalfis.py, line 149)."""
+    """(n_rules, 3 + n_in + n_out); fuzzylab keeps output j's conclusions in place j - 1 (its evalfis.py, line 149)."""
     first = np.cumsum([0, *(len(one.sets) for one in system.inputs)])
     rows = []
     for rule in system.rules:
         slots = [math.copysign(base + abs(k), k) if k else 0.0 for base, k in zip(first, rule.inputs, strict=False)]
         outputs = np.roll(rule.outputs, -1) if system.fuzzylab else rule.outputs
-        rows.append([rule.connective == "or", rule.weight, *slots, *outputs])
+        needs = sum(2.0 ** (slot - 1.0) for slot in slots if 0 < slot <= BITS) if rule.connective == "and" else 0.0
+        rows.append([rule.connective == "or", rule.weight, needs, *slots, *outputs])
     return np.array(rows, dtype=np.float64)
 
 
@@ -132,7 +137,7 @@ def _block(system: described.System, index: int) -> Array:
         return _joined(SAMPLES, len(sets), SAMPLE_COUNT, [*places, *heights.ravel()])
     cells = _cells(sets, universe.low, universe.high)
     fast = system.aggregation == "max" and system.defuzzification == "centroid"
-    order = _order(sets, universe.low, universe.high) if fast else None
+    order = _order(sets, universe.low, universe.high, system.implication == "prod") if fast else None
     rows = [] if order is None else [(k, *corners(sets[k])) for k in order]
     form = CELLS if order is None else ORDERED
     return _joined(form, len(sets), len(cells), [*cells.ravel(), *(number for row in rows for number in row)])
@@ -164,17 +169,24 @@ def _limit(places: Array, heights: Array, at: Array, side: str) -> Array:
     return np.asarray(heights[before] * (1.0 - share) + heights[after] * share)
 
 
-def _order(sets: tuple[Set, ...], low: float, high: float) -> list[int] | None:
-    """Sets from left to right, when only neighbours overlap and each only by its side; None otherwise."""
-    if not sets or any(one.kind not in ("triangle", "trapezoid") for one in sets):
+def _order(sets: tuple[Set, ...], low: float, high: float, scales: bool) -> list[int] | None:
+    """Sets from left to right, when only neighbours overlap and each only by its side; None otherwise.
+
+    Two cut sets of which one is to the right of the other in all four corners share what is below the right one's
+    rising and the left one's falling side; scaled sets may cross elsewhere unless their tops are apart.
+    """
+    if any(one.kind not in ("triangle", "trapezoid") for one in sets):
         return None
     shapes = [corners(one) for one in sets]
     order = sorted(range(len(sets)), key=lambda k: shapes[k])
     rows = [shapes[k] for k in order]
     if rows[0][0] < low or rows[-1][3] > high:
         return None
-    for i, (left, right) in enumerate(pairwise(rows)):
-        # the right one starts after the left one's top has begun, the left one ends before the right one's top ends
-        if right[0] < left[1] or left[3] > right[2] or (i + 2 < len(rows) and left[3] > rows[i + 2][0]):
+    for left, right in pairwise(rows):
+        if not all(a <= b for a, b in zip(left, right, strict=True)):
             return None
+        if scales and (right[0] < left[1] or left[3] > right[2]):
+            return None
+    if any(left[3] > right[0] for left, right in zip(rows, rows[2:], strict=False)):
+        return None
     return order

@@ -6,7 +6,8 @@ Values only. `pack` makes the flat vector that the kernel reads (`control.fuzzy.
 
 import math
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
+from types import ModuleType
 from typing import TYPE_CHECKING, Literal, get_args
 
 from numpy.typing import ArrayLike
@@ -209,9 +210,8 @@ class System:
             x: in the system's units.
             clamp: bring inputs into their universe first (one beyond its range is taken for its nearest end).
         """
-        from holodrive.control.fuzzy.evaluation import evaluate
-
-        return evaluate(self, x, clamp)
+        outputs: Array = _engine().evaluate(self, x, clamp)
+        return outputs
 
     def explain(self, x: ArrayLike, clamp: bool = True) -> "Explanation":
         """Which rules fire at x (n_in,), how strongly, their share of each output, and what changes without them."""
@@ -248,3 +248,11 @@ class System:
         if name not in names:
             raise UnknownName("fuzzy input", name, names)
         return names.index(name)
+
+
+@cache
+def _engine() -> ModuleType:
+    """Loaded at the first call: it brings Numba, which a described system does not need."""
+    from holodrive.control.fuzzy import evaluation
+
+    return evaluation
