@@ -19,41 +19,45 @@ class Cluster:
 
     Args:
         address: of the scheduler, "tcp://host:8786".
-        timeout_s: for it to answer.
+        timeout_s: for it to answer; `TIMEOUT_S` when None.
+
+    Attributes:
+        client: of Dask, for whoever wants more of it.
 
     Raises:
         MissingExtra: `distributed` is not installed.
         InputError: nobody answers, no workers are there, or one runs other sources.
     """
 
-    def __init__(self, address: str, timeout_s: float = TIMEOUT_S) -> None:
+    def __init__(self, address: str, timeout_s: float | None = None) -> None:
+        timeout_s = TIMEOUT_S if timeout_s is None else timeout_s
         try:
             import distributed
         except ImportError as error:
             raise MissingExtra("--cluster", "distributed", "cluster") from error
         self._distributed: Any = distributed
         self.address = address
-        self._client = self._connected(address, timeout_s)
+        self.client = self._connected(address, timeout_s)
         try:
-            self._client.wait_for_workers(1, timeout=timeout_s)
-            self.slots = sum(self._client.nthreads().values())
+            self.client.wait_for_workers(1, timeout=timeout_s)
+            self.slots = sum(self.client.nthreads().values())
             self._check_sources()
         except TimeoutError as error:
-            self._client.close()
+            self.client.close()
             raise InputError(
                 f"the Dask scheduler at {address} has no workers; start some: dask worker {address}"
             ) from error
         except BaseException:
-            self._client.close()
+            self.client.close()
             raise
 
     def run(self, tasks: Sequence[Task], done: Done) -> list[Array]:
         """What `run_task` gives of each, in their order; a task whose worker dies is run by another one."""
-        futures = [self._client.submit(told, task, pure=False, retries=RETRIES) for task in tasks]
+        futures = [self.client.submit(told, task, pure=False, retries=RETRIES) for task in tasks]
         index_of = {future.key: index for index, future in enumerate(futures)}
         rows: list[Array | None] = [None] * len(tasks)
         try:
-            for future, answer in self._distributed.as_completed(futures, loop=self._client.loop, with_results=True):
+            for future, answer in self._distributed.as_completed(futures, loop=self.client.loop, with_results=True):
                 if isinstance(answer, str):
                     raise InputError(f"the cluster at {self.address} refuses a task: {answer}")
                 rows[index_of[future.key]] = answer
@@ -61,7 +65,7 @@ class Cluster:
         except (self._distributed.KilledWorker, asyncio.CancelledError, OSError) as error:
             raise HolodriveError(f"the cluster at {self.address} was lost: {str(error).splitlines()[0]}") from error
         finally:
-            self._client.cancel([future for future in futures if not future.done()])
+            self.client.cancel([future for future in futures if not future.done()])
         return [row for row in rows if row is not None]
 
     def _connected(self, address: str, timeout_s: float) -> Any:
@@ -74,12 +78,12 @@ class Cluster:
             ) from error
 
     def _check_sources(self) -> None:
-        found = self._client.run(sources, on_error="return")
+        found = self.client.run(sources, on_error="return")
         for worker, answer in found.items():
             if isinstance(answer, BaseException):
-                raise InputError(f"worker {worker} cannot run holodrive: {answer}; install {sources()} on it")
-            if answer != sources():
-                raise InputError(f"worker {worker} runs {answer}, this process {sources()}; install the same on both")
+                raise InputError(f"worker {worker} cannot run holodrive: {answer}; install {_ours()} on it")
+            if answer != _ours():
+                raise InputError(f"worker {worker} runs {answer}, this process {_ours()}; install the same on both")
 
     def __enter__(self) -> Self:
         return self
@@ -87,4 +91,8 @@ class Cluster:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._client.close()
+        self.client.close()
+
+
+def _ours() -> str:
+    return sources()
