@@ -15,6 +15,8 @@ from holodrive.robots.spec import Robot
 from holodrive.types import Array
 
 _K_XY, _K_THETA, _SCREW, _ARRIVE_M, _ARRIVE_RAD, _FEED, _V_MAX, _W_MAX, _BRAKE, _YAW_BRAKE = range(10)
+# where to look for good values (`holodrive tune`) [1/s]
+BOUNDS = {"k_xy": (0.2, 10.0, "log"), "k_theta": (0.2, 10.0, "log")}
 _BRAKING_SHARE = 0.6  # of the acceleration limit: what the lag of wheels and steering leaves
 
 
