@@ -45,14 +45,14 @@ def polyline(set_: Set, low: float, high: float) -> tuple[Array, Array]:
             places, heights = [low, *places], [0.0, *heights]
         if high > d:
             places, heights = [*places, high], [*heights, 0.0]
-        return np.array(places), np.array(heights)
-    if set_.kind == "polyline":
+    elif set_.kind == "polyline":
         places, heights = list(set_.params[::2]), list(set_.params[1::2])
-        return np.array([min(low, places[0]), *places, max(high, places[-1])]), np.array(
-            [heights[0], *heights, heights[-1]]
-        )
-    places_ = _curve_places(set_, low, high)
-    return places_, membership(set_, places_)
+        places = [min(low, places[0]), *places, max(high, places[-1])]
+        heights = [heights[0], *heights, heights[-1]]
+    else:
+        curve = _curve_places(set_, low, high)
+        return curve, membership(set_, curve)
+    return np.array(places, dtype=np.float64), np.array(heights, dtype=np.float64)
 
 
 def _curve_places(set_: Set, low: float, high: float) -> Array:

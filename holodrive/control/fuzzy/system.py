@@ -66,6 +66,11 @@ class Variable:
         names = [one.name for one in self.sets]
         if twice := sorted({name for name in names if names.count(name) > 1}):
             raise InputError(f"variable {self.name!r} has the set {twice[0]!r} twice; names of sets must differ")
+        if math.isnan(self.default):
+            object.__setattr__(self, "default", math.nan)  # one and the same NaN, so that equal variables are equal
+
+    def __reduce__(self) -> tuple[type["Variable"], tuple[object, ...]]:
+        return Variable, (self.name, self.low, self.high, self.sets, self.default, self.unit)
 
     def index(self, name: str) -> int:
         """Number of a set, from 1 as rules count.
@@ -237,6 +242,10 @@ class System:
         packed = pack(self)
         packed.flags.writeable = False
         return packed
+
+    def __getstate__(self) -> dict[str, object]:
+        """Without what is made again when needed."""
+        return {name: value for name, value in self.__dict__.items() if name != "packed"}
 
     def input_index(self, name: str) -> int:
         """Place of an input.
