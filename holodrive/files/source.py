@@ -107,23 +107,23 @@ class Source:
         return None
 
 
-def read(path: str | FilePath) -> tuple[str, str]:
-    """(text, name) of a UTF-8 file; whatever prevents that is a FileFaults."""
+def read(path: str | FilePath, largest: int = LARGEST) -> tuple[str, str]:
+    """(text, name) of a UTF-8 file of at most `largest` bytes; whatever prevents that is a FileFaults."""
     name = str(path)
     try:
         file = FilePath(path)
         if not stat.S_ISREG(file.stat().st_mode):
             raise _whole(name, "is not a file" if not file.is_dir() else "is a folder, not a file")
         with file.open("rb") as stream:
-            data = stream.read(LARGEST + 1)
+            data = stream.read(largest + 1)
             size = file.stat().st_size
     except FileNotFoundError:
         raise _whole(name, "there is no such file", _neighbour(FilePath(path))) from None
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise _whole(name, f"cannot be read: {reason.lower()}") from None
-    if len(data) > LARGEST:
-        raise _whole(name, f"{size / 1e6:.3g} MB is too large; at most {LARGEST // 1024} KiB are read")
+    if len(data) > largest:
+        raise _whole(name, f"{size / 1e6:.3g} MB is too large; at most {largest // 1024} KiB are read")
     try:
         return data.decode("utf-8-sig"), name
     except UnicodeDecodeError as error:
@@ -339,7 +339,8 @@ def _clipped(text: str) -> str:
 
 def _neighbour(path: FilePath) -> str:
     try:
-        names = [entry.name for entry in path.parent.iterdir() if entry.suffix == ".toml"][:200]
+        kinds = {".toml", path.suffix}
+        names = [entry.name for entry in path.parent.iterdir() if entry.suffix in kinds][:200]
     except OSError:
         return ""
     near = get_close_matches(path.name, names, n=1, cutoff=0.6)
