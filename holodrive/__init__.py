@@ -23,6 +23,7 @@ _WHERE = {
     "world": "holodrive.build",
     "simulate": "holodrive.build",
     "drive": "holodrive.build",
+    "plan": "holodrive.build",
     "rollout": "holodrive.build",
     "report": "holodrive.reports",
     "replay": "holodrive.build",
@@ -77,6 +78,7 @@ __all__ = [
     "geometry",
     "kinematics",
     "load",
+    "plan",
     "planning",
     "read",
     "references",
@@ -93,7 +95,7 @@ __all__ = [
 
 if TYPE_CHECKING:
     from holodrive import control, errors, estimation, geometry, kinematics, planning, references, robots, worlds
-    from holodrive.build import drive, load, replay, rerun, rollout, simulate, world
+    from holodrive.build import drive, load, plan, replay, rerun, rollout, simulate, world
     from holodrive.errors import HolodriveError
     from holodrive.kinematics import Chassis, Wheel
     from holodrive.log.compare import compare

@@ -8,6 +8,7 @@ import json
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -16,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from holodrive import __version__, control, estimation, planning, references, robots, worlds
 from holodrive import log as logs
-from holodrive.errors import InputError, LogError
+from holodrive.errors import InputError, LogError, with_known
 from holodrive.interfaces import Base, Controller, ControllerPlug, Estimator, Plug
 from holodrive.log.run import Run
 from holodrive.robots.spec import Robot
@@ -161,6 +162,42 @@ def drive(
         if recorder:
             recorder.close()
         base.close()
+
+
+def plan(
+    robot: str | Path | Robot,
+    world: str | Path | World,
+    planner: str = "visibility",
+    *,
+    start: ArrayLike | None = None,
+    goal: ArrayLike | None = None,
+    margin_m: float = 0.05,
+    seed: int = 0,
+    **options: Any,
+) -> planning.Plan:
+    """A way past what stands in a world; `plan(...).reference(robot)` is the trajectory that follows it.
+
+    Args:
+        robot, world: by name, file or value.
+        planner: a name of `planning.PLANNERS`.
+        start, goal: (x, y) or (x, y, heading); the world's own when None.
+        margin_m: kept free around the robot, for what its tracker strays.
+        seed: of planners that search at random.
+        options: of the planner.
+
+    Raises:
+        UnknownName: no such planner, robot or world.
+        InputError: no goal, no way, or an option that the planner does not have.
+    """
+    search = planning.planner(planner)
+    known = set(signature(search).parameters) - {"world", "footprint_m", "start", "goal", "margin_m", "seed"}
+    for name in options:
+        if name not in known:
+            raise InputError(f"planner {planner} has no option {name!r}{with_known(name, sorted(known))}")
+    if "seed" in signature(search).parameters:
+        options["seed"] = seed
+    footprint = load(robot).footprint_radius_m
+    return search(_world(world), footprint, start=start, goal=goal, margin_m=margin_m, **options)
 
 
 def rollout(

@@ -10,6 +10,7 @@ from holodrive import references
 from holodrive.errors import InputError, UnknownName, did_you_mean
 from holodrive.planning.paths import PATHS, Path
 from holodrive.planning.profile import trapezoid
+from holodrive.planning.route import Route, run
 from holodrive.types import Array
 
 Heading = Literal["fixed", "tangent"]
@@ -70,6 +71,24 @@ def follow(
     return references.trajectory(profile.time, rows[:, 0], rows[:, 1], rows[:, 2], recipe)
 
 
+def lap_speed(path: Path, duration_s: float, accel_m_s2: float = math.inf, *, laps: int = 1) -> float:
+    """The cruising speed [m/s] with which `follow` takes `duration_s` from rest to rest.
+
+    With length L and acceleration a, T = L / v + v / a; an infinite acceleration stands for half a second of speeding
+    up, as in `follow`.
+
+    Raises:
+        InputError: a time that is too short for the acceleration.
+    """
+    length = laps * float(_arc_length(path)[1][-1])
+    if not (duration_s > 0.5 if accel_m_s2 == math.inf else duration_s >= 2.0 * math.sqrt(length / accel_m_s2)):
+        raise InputError(f"{length:g} m take more than {duration_s:g} s at an acceleration of {accel_m_s2:g} m/s^2")
+    if accel_m_s2 == math.inf:
+        return length / (duration_s - 0.5)
+    half = 0.5 * accel_m_s2 * duration_s
+    return length * accel_m_s2 / (half + math.sqrt(max(0.0, half * half - length * accel_m_s2)))
+
+
 def move(start: ArrayLike, end: ArrayLike, duration_s: float, step_s: float = 0.01) -> references.Table:
     """From pose to pose (x, y, theta) along a straight line and an even turn, with least jerk.
 
@@ -101,6 +120,8 @@ def from_recipe(recipe: dict[str, Any]) -> references.Table:
             return follow(PATHS[name](**values), **options)
         case "move":
             return move(**values)
+        case "route":
+            return run(Route(np.asarray(values.pop("pieces"), dtype=np.float64)), **values)
     return references.from_recipe(recipe)
 
 

@@ -31,6 +31,7 @@ from holodrive.errors import InputError
 
 if TYPE_CHECKING:
     from holodrive.log.run import Run
+    from holodrive.references import Table
     from holodrive.sim import SimBase
 
 KEYS_DURATION_S = 3600.0
@@ -41,6 +42,7 @@ KEYS_DURATION_S = 3600.0
     [
         "hybrid3 -w paper_course --via 0.5,0.5 --via 1,1.5 --via 0.5,4.5 -o run.mcap",
         "mecanum4 --path infinity --size 150mm --speed '20 mm/s' --seed 1 --report run.html",
+        "hybrid3_table_x -w paper_course --plan bee_colony -c pid",
     ],
 )
 @robot_argument
@@ -51,6 +53,10 @@ KEYS_DURATION_S = 3600.0
     "--via", multiple=True, metavar="X,Y[,HEADING]", help="A way point; may be repeated, the last is the goal."
 )
 @path_options
+@click.option(
+    "--plan", "planner", metavar="PLANNER", help="Plan a way past what stands and follow it: bee_colony, visibility."
+)
+@click.option("--margin", default="5 cm", show_default=True, help="What a plan keeps free around the robot.")
 @click.option("--keys", is_flag=True, help="Drive by keyboard in this terminal.")
 @click.option("--start", metavar="X,Y[,HEADING]", help="Where to start; the world's start when not given.")
 @click.option("--duration", metavar="TIME", help="At most so long on the robot's clock: 30 or '2 min'.")
@@ -113,7 +119,7 @@ def _by_controller(
 ) -> "Run":
     import holodrive as hd
 
-    goals = _goals(base, options)
+    goals = _goals(out, base, options)
     duration = quantity_of(options["duration"], "--duration", "time") if options["duration"] else None
     trajectory = goals.get("trajectory")
     length = duration or (trajectory.duration_s + 2.0 if trajectory else 60.0)
@@ -137,10 +143,14 @@ def _by_controller(
         )
 
 
-def _goals(base: "SimBase", options: dict[str, Any]) -> dict[str, Any]:
+def _goals(out: Output, base: "SimBase", options: dict[str, Any]) -> dict[str, Any]:
     asked = [name for name in ("goal", "via", "shape") if options[name]]
     if len(asked) > 1:
         raise InputError("a run has one reference: --goal, --via or --path")
+    if options["planner"]:
+        if options["via"] or options["shape"]:
+            raise InputError("--plan finds the way to --goal or to the world's goal by itself: no --via, no --path")
+        return {"trajectory": _planned(out, base, options)}
     if options["goal"]:
         return {"goal": pose_of(options["goal"], "--goal")}
     if options["via"]:
@@ -149,6 +159,21 @@ def _goals(base: "SimBase", options: dict[str, Any]) -> dict[str, Any]:
             raise InputError("--via: give all way points a heading or none")
         return {"waypoints": points}
     return {"trajectory": trajectory_of(options, base.truth)} if options["shape"] else {}
+
+
+def _planned(out: Output, base: "SimBase", options: dict[str, Any]) -> "Table":
+    import holodrive as hd
+
+    goal = pose_of(options["goal"], "--goal") if options["goal"] else None
+    margin, place = quantity_of(options["margin"], "--margin", "length"), base.world if base.world else hd.world(None)
+    plan = hd.plan(
+        base.robot, place, options["planner"], start=base.truth, goal=goal, margin_m=margin, seed=options["seed"]
+    )
+    if not out.json:
+        turns = f"{plan.turns} turn{'' if plan.turns == 1 else 's'}"
+        room = f"{100.0 * plan.clearance_m:.1f} cm clear" if plan.clearance_m < math.inf else "nothing in the way"
+        out.line("plan", f"{plan.planner}: {plan.length_m:.3f} m, {turns}, {room}")
+    return plan.reference(base.robot)
 
 
 def _by_keys(out: Output, base: "SimBase", options: dict[str, Any]) -> "Run":
