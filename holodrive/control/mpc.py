@@ -3,7 +3,7 @@
     min   sum_k |p_(k+1) - r_(k+1)|^2_Q + |u_k - f_k|^2_R + |u_k - u_(k-1)|^2_S,   k = 0 .. N-1
     with  p_(k+1) = p_k + dt u_k
     s.t.  |J R(h_k)^T u_k| <= w_max          (2 n rows: every wheel, both ways)
-          |u_k - u_(k-1)| <= a dt            (each axis)
+          |u_k - u_(k-1)| <= a dt            (each axis; a times the period of the solutions for k = 0)
           n_kj . p_(k+1) >= d_kj             (half-planes that keep obstacles out)
 
 u is the twist in axes that do not turn during the horizon, those that `base_link` has now, and p is measured from
@@ -41,6 +41,9 @@ class Horizon:
         r_xy, r_theta: of the twist [s^2/m^2, s^2/rad^2].
         s_xy, s_theta: of its change from step to step, same units.
         planes: how many half-planes a step has at most.
+        period_s: how often a problem is solved and its first move replaced; the first change of the twist has no more
+            time than that.
+        accel_share: of the robot's acceleration limits that is planned with.
     """
 
     steps: int = 20
@@ -52,6 +55,8 @@ class Horizon:
     s_xy: float = 0.2
     s_theta: float = 0.02
     planes: int = 4
+    period_s: float = 0.1
+    accel_share: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -87,7 +92,7 @@ class Problem:
         self._rows = limit_rows(robot)
         change = np.array([robot.limits.accel_m_s2, robot.limits.accel_m_s2, robot.limits.yaw_accel_rad_s2])
         change[:2] *= math.sqrt(0.5)  # the square inside the circle of the limit
-        self._change = change * horizon.dt_s
+        self._change = horizon.accel_share * np.outer([min(horizon.period_s, horizon.dt_s), horizon.dt_s], change)
         self._axes = np.flatnonzero(np.isfinite(change))
         blocks = _axis(horizon, horizon.q_xy, horizon.r_xy, horizon.s_xy)
         turn = _axis(horizon, horizon.q_theta, horizon.r_theta, horizon.s_theta)
@@ -239,8 +244,8 @@ def _fill(rows, change, axes, dt, last, headings, planes, matrix, lower, upper):
             at += 1
     for k in range(steps):
         for axis in axes:
-            before = last[axis] if k == 0 else 0.0
-            lower[at], upper[at] = before - change[axis], before + change[axis]
+            before, reach = (last[axis], change[0, axis]) if k == 0 else (0.0, change[1, axis])
+            lower[at], upper[at] = before - reach, before + reach
             at += 1
     for k in range(steps):
         for j in range(planes.shape[1]):
