@@ -10,6 +10,7 @@ VERBS = {
     "render": "a run as GIF, PNG, SVG or HTML",
     "export": "a run as CSV or Parquet",
     "kinematics": "Jacobian, rank, condition and top speeds of a base",
+    "explain": "what a fuzzy system does and why, and what is wrong with it",
     "list": "robots, worlds, controllers, motors, sensors that there are",
     "new": "a commented start for a robot, world or controller",
     "check": "look for faults in robot and world files",

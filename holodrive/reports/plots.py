@@ -19,7 +19,10 @@ _NUMBER: dict[str, object] = {"class_": "number", "font_size": 11, "fill": "#5b6
 
 @dataclass(frozen=True)
 class Line:
-    """One line: x (n,) and y (n,), its name, the number of its colour, and whether it is a pale companion."""
+    """One line: x (n,) and y (n,), its name, the number of its colour, and whether it is a pale companion.
+
+    `area` fills what lies between it and the lower edge of the plot.
+    """
 
     name: str
     x: Array
@@ -27,6 +30,7 @@ class Line:
     colour: int = 0
     pale: bool = False
     dash: str | None = None
+    area: bool = False
 
 
 @dataclass(frozen=True)
@@ -188,12 +192,21 @@ def _curve(box: Axes, line: Line) -> str:
     x, y = decimate(line.x, line.y, int(box.width / 2))
     rows = np.clip(box.row(y), box.top, box.top + box.height)  # only pale lines can reach beyond
     pixels = np.column_stack([box.column(x), rows])
-    return svg.element(
+    return (_filled(box, pixels, line) if line.area else "") + svg.element(
         "path", class_=f"line c{line.colour % len(COLOURS)}" + (" pale" if line.pale else ""),
         d=svg.path_data(svg.simplify(pixels, 0.3)), stroke=COLOURS[line.colour % len(COLOURS)], fill="none",
         stroke_width=3.5 if line.pale else 1.5, stroke_opacity=0.35 if line.pale else None,
         stroke_dasharray=line.dash, stroke_linejoin="round", stroke_linecap="round",
     )  # fmt: skip
+
+
+def _filled(box: Axes, pixels: Array, line: Line) -> str:
+    bottom = box.top + box.height
+    d = "".join(
+        svg.path_data(np.vstack([(run[0, 0], bottom), *run, (run[-1, 0], bottom)])) + "z"
+        for run in svg.finite_runs(pixels)
+    )
+    return svg.element("path", d=d, fill=COLOURS[line.colour % len(COLOURS)], fill_opacity=0.25) if d else ""
 
 
 def _framing(lines: Sequence[Line]) -> list[Array]:
@@ -210,7 +223,7 @@ def _framing(lines: Sequence[Line]) -> list[Array]:
 
 def _legend(lines: Sequence[Line], left: float, row: float) -> str:
     parts, x = [], left
-    for line in lines:
+    for line in (one for one in lines if one.name):
         parts.append(
             svg.element("path", class_=f"line c{line.colour % len(COLOURS)}" + (" pale" if line.pale else ""),
                         d=f"M{x:.1f} {row - 4:.1f}h18", stroke=COLOURS[line.colour % len(COLOURS)],
