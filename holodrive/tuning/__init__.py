@@ -1,6 +1,6 @@
 """TUNE: sweeps and optimisation over roll-outs, on threads here or on a Dask cluster."""
 
-from holodrive.tuning.backends import Backend, Threads
+from holodrive.tuning.backends import Backend, Open, Threads
 from holodrive.tuning.job import Job, Places, job
 from holodrive.tuning.judgement import Judgement, judge
 from holodrive.tuning.objective import Objective
@@ -19,6 +19,7 @@ __all__ = [
     "Job",
     "Judgement",
     "Objective",
+    "Open",
     "Places",
     "Problem",
     "Range",

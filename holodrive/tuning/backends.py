@@ -73,6 +73,25 @@ class Threads:
         return None
 
 
+class Open:
+    """A backend that stays open when a sweep is done with it: for several sweeps on one cluster."""
+
+    def __init__(self, runner: Backend) -> None:
+        self.slots, self._runner = runner.slots, runner
+
+    def run(self, tasks: Sequence[Task], done: Done) -> list[Array]:
+        """What `run_task` gives of each, in their order."""
+        return self._runner.run(tasks, done)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        return None
+
+
 def backend_of(what: "Backend | str | int | None") -> Backend:
     """Threads (None: all cores; a number of them), a cluster by its scheduler's address, or a backend as it is."""
     if isinstance(what, str):

@@ -9,7 +9,7 @@ import numpy as np
 from holodrive import control, robots
 from holodrive.errors import InputError
 from holodrive.robots.spec import Robot
-from holodrive.tuning.backends import Backend, backend_of
+from holodrive.tuning.backends import Backend, Open, backend_of
 from holodrive.tuning.job import Job
 from holodrive.tuning.judgement import Judgement, gain, judge
 from holodrive.tuning.objective import Objective
@@ -149,20 +149,7 @@ class _State:
             if self.progress:
                 self.progress(Step(phase, before + done, total, tuple(self.history)))
 
-        return sweep(job, _Open(self._runner), progress=tell)
-
-
-class _Open:
-    """A backend that stays open when a sweep is done with it."""
-
-    def __init__(self, runner: Backend) -> None:
-        self.slots, self.run = runner.slots, runner.run
-
-    def __enter__(self) -> "_Open":
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        return None
+        return sweep(job, Open(self._runner), progress=tell)
 
 
 def _search(state: _State, search: Search, runs: int, fresh: bool, train: range) -> str:
