@@ -16,6 +16,7 @@ from holodrive.worlds.spec import World
 
 # name -> "module:class" of a frozen parameter class (interfaces.ControllerPlug or PlainPlug)
 CONTROLLERS: dict[str, str] = {
+    "fuzzy_pd": "holodrive.control.fuzzy_pd:FuzzyPd",
     "go_to_pose": "holodrive.control.go_to_pose:GoToPose",
     "pid": "holodrive.control.pid:Pid",
 }

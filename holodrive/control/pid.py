@@ -17,6 +17,16 @@ from holodrive.types import Array
 _KP, _KI, _KD = 0, 2, 4  # two each: position, heading
 _FEED, _V_MAX, _W_MAX, _ARRIVE_M, _ARRIVE_RAD = range(6, 11)
 
+# where to look for good values (`holodrive tune`)
+BOUNDS: dict[str, tuple[float, float]] = {
+    "kp": (0.1, 15.0),
+    "ki": (0.0, 5.0),
+    "kd": (0.0, 0.8),
+    "kp_theta": (0.1, 15.0),
+    "ki_theta": (0.0, 5.0),
+    "kd_theta": (0.0, 0.8),
+}
+
 
 @njit(cache=True)
 def pid_kernel(obs, memory, params, command):  # type: ignore[no-untyped-def]
@@ -94,12 +104,7 @@ class Pid:
 
     def pack(self, robot: Robot) -> Array:
         """As the kernel's index constants say."""
-        speed = min(self.max_speed_m_s, robot.limits.speed_m_s, speed_of_slowest_wheel(robot))
-        yaw_rate = min(
-            self.max_yaw_rate_rad_s,
-            robot.limits.yaw_rate_rad_s,
-            speed_of_slowest_wheel(robot) / max(math.hypot(wheel.x, wheel.y) for wheel in robot.wheels),
-        )
+        speed, yaw_rate = top_speeds(robot)
         return np.array(
             [
                 self.kp,
@@ -109,9 +114,16 @@ class Pid:
                 self.kd,
                 self.kd_theta,
                 self.feed_forward,
-                speed,
-                yaw_rate,
+                min(self.max_speed_m_s, speed),
+                min(self.max_yaw_rate_rad_s, yaw_rate),
                 self.arrive_m,
                 self.arrive_rad,
             ]
         )
+
+
+def top_speeds(robot: Robot) -> tuple[float, float]:
+    """Speed [m/s] and yaw rate [rad/s] that a tracker commands at most: the robot's limits and its wheels' rims."""
+    rim = speed_of_slowest_wheel(robot)
+    far = max(math.hypot(wheel.x, wheel.y) for wheel in robot.wheels)
+    return min(robot.limits.speed_m_s, rim), min(robot.limits.yaw_rate_rad_s, rim / far)

@@ -22,7 +22,8 @@ CORNER_RAD = 1e-6  # a smaller change of direction between two pieces is none
 TURN_RAD = math.radians(10.0)  # a larger one counts as a turn
 _SHARE = math.sqrt(0.5)  # of the acceleration for each of along and across: together they make the whole
 _LEAST_FILLET_M = 1e-4  # of the leg on each side; a smaller rounding is a corner
-_FILLET_STEPS = 30  # halvings
+_FILLET_TRIES = 64
+_FILLET_STEPS = 24  # halvings after them
 _FILLET_POINTS = 257
 
 
@@ -206,10 +207,14 @@ def _fillet(
 
     if most_m < _LEAST_FILLET_M:
         return 0.0, None
-    if allowed(most_m):
-        return most_m, piece(most_m)
+    # outwards from the corner, so that no obstacle between it and the arc is jumped over
     low, high = 0.0, most_m
-    for _ in range(_FILLET_STEPS):
+    for cut in np.linspace(0.0, most_m, _FILLET_TRIES + 1)[1:].tolist():
+        if not allowed(cut):
+            high = cut
+            break
+        low = cut
+    for _ in range(_FILLET_STEPS if low < high else 0):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if allowed(middle) else (low, middle)
     return (low, piece(low)) if low >= _LEAST_FILLET_M else (0.0, None)
