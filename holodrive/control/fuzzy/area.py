@@ -47,7 +47,9 @@ def cell_points(spec, at, cell, work):  # type: ignore[no-untyped-def]
     if n_lines == 0:
         return 0
     first = points_at(spec)
-    work[first], work[first + 2] = 0.0, 1.0
+    # shares of the cell's width to the left of each point, and to its right: near the right end the latter is the
+    # one that keeps its digits, and with them the height of a set that is cut very low
+    work[first], work[first + 1], work[first + 2], work[first + 3] = 0.0, 1.0, 1.0, 0.0
     count = 2
     sums = int(spec[pk.AGGREGATION]) == pk.SUM
     for i in range(n_lines):
@@ -61,9 +63,9 @@ def cell_points(spec, at, cell, work):  # type: ignore[no-untyped-def]
                 count = _cross(work, first, count, work[p] - work[o + 2], work[p + 1] - work[o + 2])
     left, right = spec[row], spec[row + 1]
     for k in range(count):
-        share = work[first + 2 * k]
+        share, rest = work[first + 2 * k], work[first + 2 * k + 1]
         work[first + 2 * k] = right if share == 1.0 else left + share * (right - left)
-        work[first + 2 * k + 1] = _height(work, at_lines, n_lines, share, sums)
+        work[first + 2 * k + 1] = _height(work, at_lines, n_lines, share, rest, sums)
     return count
 
 
@@ -89,22 +91,22 @@ def _cross(work, first, count, d0, d1):  # type: ignore[no-untyped-def]
     """Add the place where a difference that goes from d0 to d1 is 0, in order; gives the new count."""
     if not (d0 < 0.0 < d1 or d1 < 0.0 < d0):
         return count
-    share = d0 / (d0 - d1)
+    share, rest = d0 / (d0 - d1), d1 / (d1 - d0)
     k = count
-    while work[first + 2 * (k - 1)] > share:  # ends at the left end, which is 0
-        work[first + 2 * k] = work[first + 2 * (k - 1)]
-        k -= 1
-    work[first + 2 * k] = share
+    while work[first + 2 * k - 2] > share or (work[first + 2 * k - 2] == share and work[first + 2 * k - 1] < rest):
+        work[first + 2 * k], work[first + 2 * k + 1] = work[first + 2 * k - 2], work[first + 2 * k - 1]
+        k -= 1  # ends at the left end, which is 0 and 1
+    work[first + 2 * k], work[first + 2 * k + 1] = share, rest
     return count + 1
 
 
 @leaf
-def _height(work, at_lines, n_lines, share, sums):  # type: ignore[no-untyped-def]
-    """Of the aggregate, at a share of the cell."""
+def _height(work, at_lines, n_lines, share, rest, sums):  # type: ignore[no-untyped-def]
+    """Of the aggregate, with a share of the cell to the left and the rest to the right."""
     total = 0.0
     for i in range(n_lines):
         p = at_lines + 3 * i
-        y = min(work[p] * (1.0 - share) + work[p + 1] * share, work[p + 2])
+        y = min(work[p] * rest + work[p + 1] * share, work[p + 2])
         total = total + y if sums else max(total, y)
     return total
 

@@ -66,6 +66,10 @@ class Variable:
         names = [one.name for one in self.sets]
         if twice := sorted({name for name in names if names.count(name) > 1}):
             raise InputError(f"variable {self.name!r} has the set {twice[0]!r} twice; names of sets must differ")
+        if math.isinf(self.default):
+            raise InputError(
+                f"variable {self.name!r} has the default {self.default:g}; it must be finite, or NaN for none"
+            )
         if math.isnan(self.default):
             object.__setattr__(self, "default", math.nan)  # one and the same NaN, so that equal variables are equal
 

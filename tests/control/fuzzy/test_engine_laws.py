@@ -199,3 +199,13 @@ def test_a_set_outside_the_universe_says_nothing():
     one = Variable("x", 0.0, 1.0, (Set("all", "trapezoid", (0, 0, 1, 1)),))
     out = Variable("y", 0.0, 1.0, (Set("far", "triangle", (1, 2, 3)),))
     assert math.isnan(System("s", (one,), (out,), (Rule((1,), (1,)),)).evaluate([0.3])[0])
+
+
+@pytest.mark.parametrize("aggregation", ["max", "sum"])
+@pytest.mark.parametrize("height", [1e-3, 1e-9, 1e-14, 1e-100])
+def test_a_set_cut_very_low_is_a_thin_slab_between_its_feet(height, aggregation):
+    """Its centroid is half-way between them; nothing is lost to rounding next to the right foot."""
+    one = Variable("x", 0.0, 1.0, (Set("all", "trapezoid", (0, 0, 1, 1)),))
+    out = Variable("y", 0.0, 8.0, (Set("s", "triangle", (1, 5, 7)),))
+    system = System("s", (one,), (out,), (Rule((1,), (1,), weight=height),), aggregation=aggregation)
+    assert system.evaluate([0.5])[0] == pytest.approx(4.0, abs=2.0 * height + 1e-12)
