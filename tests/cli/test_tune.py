@@ -84,6 +84,7 @@ def test_random_courses_are_judged_by_success(cli: Cli) -> None:
         (("--sigma", 3), "at most 1"),
         (("--goal", "1,1"), "--goal or --path"),
         (("--worlds", "course", "-w", "room"), "-w or --worlds"),
+        (("--worlds", "course"), "--path goes with one world"),
         (("--crossers", 2), "--worlds course"),
         (("--workers", 2, "--cluster", "tcp://127.0.0.1:9"), "--workers or --cluster"),
         (("-o", "tuned.toml"), ".json"),

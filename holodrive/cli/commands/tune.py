@@ -73,7 +73,7 @@ def command(out: Output, **options: Any) -> int:
     if options["cluster"] and options["workers"]:
         raise InputError("--workers counts threads here; a cluster has its own: give --workers or --cluster")
     problem = _problem(options)
-    with compiling(out) as ready, Told(out, options["budget"]) as told:
+    with compiling(out) as ready, Told(out) as told:
 
         def progress(step: "Step") -> None:
             ready()
@@ -100,7 +100,7 @@ def command(out: Output, **options: Any) -> int:
 class Told:
     """Progress of the phases, one bar after another."""
 
-    def __init__(self, out: Output, budget: int) -> None:
+    def __init__(self, out: Output) -> None:
         self._out = out
         self._phase = ""
         self._bar: AbstractContextManager[Any] | None = None
@@ -133,6 +133,8 @@ def _problem(options: dict[str, Any]) -> "Problem":
 
     if options["worlds"] and options["world"]:
         raise InputError("tuning takes place in one world or in random ones: -w or --worlds")
+    if options["worlds"] and options["shape"]:
+        raise InputError("random worlds start anywhere: --path goes with one world (-w), --worlds with their goals")
     if options["goal"] and options["shape"]:
         raise InputError("a run has one reference: --goal or --path")
     overrides, params = split_settings(options["settings"])
