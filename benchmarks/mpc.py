@@ -345,7 +345,7 @@ def measure(robot, steps, seconds):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seconds", type=float, default=20.0, help="length of the closed loop")
-    parser.add_argument("--save", action="store_true", help="write the table beside this script")
+    parser.add_argument("--save", action="store_true", help="write the table into results/")
     arguments = parser.parse_args()
     robot, lines, missed = robots.load("hybrid3_table_x"), [], False
     packages = ", ".join(f"{package} {found(package)}" for package in ("daqp", "osqp", "piqp", "proxsuite"))
@@ -367,7 +367,7 @@ def main():
             lines.append(f"bar: {Daqp.name} at most {BAR_MS} ms: {'MISSED' if missed else 'kept'}")
     print(text := "\n".join(lines))
     if arguments.save:
-        Path(__file__).with_suffix(".txt").write_text(text + "\n")
+        (Path(__file__).parent / "results" / "mpc.txt").write_text(text + "\n")
     sys.exit(int(missed))
 
 
