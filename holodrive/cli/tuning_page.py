@@ -74,11 +74,10 @@ def page(tuned: "Tuned", command: str) -> Report:
         TextSection(
             "Result",
             f"{gain_line(tuned)}.\n\nThe search ended: {tuned.ended}, after {_runs(tuned)} simulated runs in "
-            f"{len(tuned.history)} generations of {tuned.settings['population']} candidates.",
-            (
-                (command, "tunes again, with the same result"),
-                (f"holodrive run {tuned.robot} -c {tuned.controller} {tuned.options}", "drives with what was found"),
-            ),
+            f"{len(tuned.history)} generations of {tuned.settings['population']} candidates."
+            f"\n\nTune again, with the same result: {command}"
+            + (f"\n\nUse what was found: holodrive run {tuned.robot} -c {tuned.controller} {tuned.options}"
+               if tuned.best else ""),
         ),
         *([TableSection("Before and after", judged, _READING)] if judged else []),
         TableSection("Values", values_table(tuned)),
