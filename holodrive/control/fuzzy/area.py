@@ -71,19 +71,30 @@ def cell_points(spec, at, cell, work):  # type: ignore[no-untyped-def]
 
 @leaf
 def _lines(spec, row, n_sets, work):  # type: ignore[no-untyped-def]
-    """Height at the left end, at the right end, and lid of each part that is not 0 in the cell; how many, where."""
-    n_parts, scales = int(work[0]), int(spec[pk.IMPLICATION]) == pk.PROD
+    """Height at the left end, at the right end, and lid of each part that counts in the cell; how many, where.
+
+    Parts that are 0 do not count; nor, for the maximum, those that stay below the lower end of another.
+    """
+    n_parts, scales, sums = int(work[0]), int(spec[pk.IMPLICATION]) == pk.PROD, int(spec[pk.AGGREGATION]) == pk.SUM
     first = 1 + 2 * n_parts
-    n = 0
+    n, floor = 0, 0.0
     for part in range(n_parts):
         number, height = int(work[1 + 2 * part]), work[2 + 2 * part]
         y0, y1 = spec[row + 2 + number], spec[row + 2 + n_sets + number]
-        if y0 > 0.0 or y1 > 0.0:
-            scale = height if scales else 1.0
-            work[first + 3 * n], work[first + 3 * n + 1] = scale * y0, scale * y1
-            work[first + 3 * n + 2] = math.inf if scales else height
+        scale, lid = (height, math.inf) if scales else (1.0, height)
+        if min(max(y0, y1) * scale, lid) > (0.0 if sums else floor):
+            work[first + 3 * n], work[first + 3 * n + 1], work[first + 3 * n + 2] = scale * y0, scale * y1, lid
             n += 1
-    return n, first
+            floor = max(floor, min(scale * y0, scale * y1, lid))
+    if sums or n < 2:
+        return n, first
+    kept = 0
+    for i in range(n):  # those that came before the highest floor
+        p, q = first + 3 * i, first + 3 * kept
+        if min(max(work[p], work[p + 1]), work[p + 2]) >= floor:
+            work[q], work[q + 1], work[q + 2] = work[p], work[p + 1], work[p + 2]
+            kept += 1
+    return kept, first
 
 
 @leaf
