@@ -14,6 +14,7 @@ from holodrive.log.shapes import BLUE, ORANGE
 from holodrive.log.view import View
 from holodrive.reports import parts, replay, scene
 from holodrive.reports.charts import ChartGroup, chart_groups, compared, heading_error, position_error
+from holodrive.reports.lidar import lidar_html
 from holodrive.reports.plots import Chart, Line
 from holodrive.reports.tables import Table, metric_table
 from holodrive.types import Array
@@ -58,6 +59,7 @@ class RunSection:
                 parts.tiles(run.metrics),
                 parts.player(picture_, parts.side_panel(run), data, lidar=bool(run.scans)),
                 *(parts.chart_group(group) for group in chart_groups(run)),
+                parts.heading("Lidar") + lidar_html(run) if run.scans else "",
                 parts.event_table(run.events),
                 parts.settings_of(run),
             ]

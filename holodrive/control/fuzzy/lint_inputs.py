@@ -1,5 +1,6 @@
 """Lint of inputs: gaps and coverage by break points, and what a sensor tells beyond the universe."""
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -35,7 +36,7 @@ def check_range(system: System, sensor_range: tuple[float, float]) -> Iterator[F
     if not beyond:
         return
     found = [input_patterns(system, i, low, high) for i in range(len(system.inputs))]
-    if np.prod([len(one) for one in found]) > MOST:
+    if math.prod(len(one) for one in found) > MOST:
         yield Finding("F-LARGE", "info", "too many combinations of inputs: how much lies beyond was not weighed")
         return
     dead = dead_share(system, found)

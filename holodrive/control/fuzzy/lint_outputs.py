@@ -1,5 +1,6 @@
 """Lint of outputs: ends that cannot be reached, no zero, and jumps, by one-sided limits at the break points."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
@@ -131,7 +132,7 @@ def _combined(places: list[Array]) -> Array:
 
 
 def _count(places: list[Array], index: int) -> int:
-    return int(np.prod([len(p) for i, p in enumerate(places) if i != index]))
+    return math.prod(len(p) for i, p in enumerate(places) if i != index)
 
 
 def _places(system: System, index: int) -> Array:

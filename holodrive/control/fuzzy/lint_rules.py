@@ -1,5 +1,6 @@
 """Lint of rules: missing, duplicate, contradictory, dead and masked ones, and sets that none of them names."""
 
+import math
 from collections.abc import Iterator
 from itertools import combinations
 
@@ -26,9 +27,9 @@ def check_rules(system: System) -> Iterator[Finding]:
 def _missing(system: System) -> Iterator[Finding]:
     counts = [max(len(v.sets), 1) for v in system.inputs]
     found = [input_patterns(system, i) for i in range(len(system.inputs))]
-    if max(np.prod(counts), np.prod([len(one) for one in found])) > MOST:
+    if max(math.prod(counts), math.prod(len(one) for one in found)) > MOST:
         yield Finding(
-            "F-LARGE", "info", f"{np.prod(counts)} combinations of sets: whether each has a rule was not looked at"
+            "F-LARGE", "info", f"{math.prod(counts)} combinations of sets: whether each has a rule was not looked at"
         )
         return
     crisp = [_crisp(count, len(v.sets)) for count, v in zip(counts, system.inputs, strict=True)]
@@ -40,7 +41,7 @@ def _missing(system: System) -> Iterator[Finding]:
     covered = [_without_gaps(one) for one in found]
     share = dead_share(system, covered)
     effect = f"; nothing fires in {100.0 * share:.2g} % of the universe" if share > 0.0 else "; neighbours cover for it"
-    text = f"{len(holes)} of {np.prod(counts)} combinations have no rule: {'; '.join(told)}{more}{effect}"
+    text = f"{len(holes)} of {math.prod(counts)} combinations have no rule: {'; '.join(told)}{more}{effect}"
     yield Finding("F-MISSING", "error" if share > 0.0 else "warning", text, value=share)
 
 
