@@ -97,16 +97,6 @@ class Plan:
         """How long the reference takes."""
         return self.reference(robot, accel_m_s2).duration_s
 
-    def summary(self) -> dict[str, float | int | str]:
-        """What a table tells of a plan."""
-        return {
-            "planner": self.planner,
-            "length_m": self.length_m,
-            "turns": self.turns,
-            "clearance_m": self.clearance_m,
-            "evaluations": self.evaluations,
-        }
-
 
 def pace(robot: Robot | float, accel_m_s2: float | None = None) -> tuple[float, float]:
     """Speed [m/s] and acceleration [m/s^2] with which a reference leads a robot.
