@@ -202,38 +202,39 @@ class _Box:
 
     def axes(self) -> str:
         """Numbers along the front edges and the left one, and names."""
+        x, y = self.spot(0.0, 1.0, 1.0)
+        name = svg.text(x, y - 10.0, _named(self.shown, 2), **LABEL)
+        return svg.element("g", self._front("x"), self._front("y"), self._levels(), name)
+
+    def _front(self, axis: str) -> str:
+        """Numbers and name of the axis along the front left (x) or front right edge (y)."""
+        first = axis == "x"
+        side, anchor = (-1.0, {"text_anchor": "end"}) if first else (1.0, {"text_anchor": "start"})
+        one = self.shown.x if first else self.shown.y
+        values, decimals = self.ticks(axis)
         parts = []
-        shown = self.shown
-        for axis, one, side, anchor in (("x", shown.x, -1.0, "end"), ("y", shown.y, 1.0, "start")):
-            values, decimals = self.ticks(axis)
-            for value in values.tolist():
-                at = 1.0 - (value - one[0]) / (one[-1] - one[0])
-                u, v = (at, 1.0) if axis == "x" else (1.0, at)
-                x, y = self.pixel(np.array(u), np.array(v), np.array(0.0)).tolist()
-                parts.append(
-                    svg.text(
-                        x + 6.0 * side, y + 12.0, svg.number(value, decimals), **(_NUMBER | {"text_anchor": anchor})
-                    )
-                )
-            x, y = self.pixel(
-                np.array(0.5 if axis == "x" else 1.0), np.array(1.0 if axis == "x" else 0.5), np.array(0.0)
-            ).tolist()
-            parts.append(
-                svg.text(
-                    x + 30.0 * side,
-                    y + 30.0,
-                    _named(shown, 0 if axis == "x" else 1),
-                    **(LABEL | {"text_anchor": anchor}),
-                )
-            )
+        for value in values.tolist():
+            at = 1.0 - (value - one[0]) / (one[-1] - one[0])
+            x, y = self.spot(at, 1.0) if first else self.spot(1.0, at)
+            parts.append(svg.text(x + 6.0 * side, y + 12.0, svg.number(value, decimals), **(_NUMBER | anchor)))
+        x, y = self.spot(0.5, 1.0) if first else self.spot(1.0, 0.5)
+        parts.append(svg.text(x + 30.0 * side, y + 30.0, _named(self.shown, 0 if first else 1), **(LABEL | anchor)))
+        return "".join(parts)
+
+    def _levels(self) -> str:
+        """Numbers up the left edge; the lowest would stand where the first axis ends."""
         values, decimals = self.ticks("z")
-        for value in values[values > shown.low].tolist():  # the lowest would stand where the first axis ends
-            level = (value - shown.low) / (shown.high - shown.low)
-            x, y = self.pixel(np.array(0.0), np.array(1.0), np.array(level)).tolist()
+        low, high = self.shown.low, self.shown.high
+        parts = []
+        for value in values[values > low].tolist():
+            x, y = self.spot(0.0, 1.0, (value - low) / (high - low))
             parts.append(svg.text(x - 6.0, y + 4.0, svg.number(value, decimals), **(_NUMBER | {"text_anchor": "end"})))
-        x, y = self.pixel(np.array(0.0), np.array(1.0), np.array(1.0)).tolist()
-        parts.append(svg.text(x, y - 10.0, _named(shown, 2), **LABEL))
-        return svg.element("g", *parts)
+        return "".join(parts)
+
+    def spot(self, u: float, v: float, h: float = 0.0) -> tuple[float, float]:
+        """One pixel."""
+        x, y = self.pixel(np.array(u), np.array(v), np.array(h)).tolist()
+        return x, y
 
 
 def _piece(pixels: Array, height: float, slope: float) -> str:
