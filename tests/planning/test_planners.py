@@ -127,6 +127,27 @@ def test_where_nothing_stands_in_the_way_every_plan_is_the_straight_line(name):
     assert exact(hd.world("open"), start=(0, 0), goal=(3, 4)).length_m == 5.0
 
 
+GAP = World("gap", segments=(Segment(0, -0.2, 3, -0.2), Segment(0, 0.2, 3, 0.2)))
+ROW = World("row", boxes=tuple(Box(float(i), 0.0, 1.0, 1.0) for i in range(5)))
+
+
+@pytest.mark.parametrize(
+    ("world", "footprint", "start", "goal", "length"),
+    [
+        (GAP, 0.2, (-1, 0), (4, 0), 5.0),  # a corridor as wide as the robot
+        (GAP, 0.2001, (-1, 0), (4, 0), 5.158),  # and one that is too narrow
+        (ROW, 0.2, (-1.0, 0.7), (5.0, 0.7), 6.0),  # along boxes that touch each other, touching them
+        (World("three in one", circles=(Circle(1, 0, 0.3),) * 3), 0.2, (0, 0), (2, 0), 2.2556),
+        (World("disc in disc", circles=(Circle(1, 0, 0.3), Circle(1.1, 0, 0.2))), 0.2, (0, 0), (2, 0), 2.2556),
+        (World("touching", circles=(Circle(0, 0.5, 0.3),)), 0.2, (0, 0), (0, 1.5), math.pi / 3 + math.sqrt(0.75)),
+    ],
+)  # fmt: skip
+def test_what_just_touches_is_no_trouble(world, footprint, start, goal, length):
+    plan = exact(world, footprint, start=start, goal=goal)
+    assert plan.length_m == pytest.approx(length, abs=1e-3)
+    assert exact(world, footprint, start=goal, goal=start).length_m == pytest.approx(plan.length_m, abs=1e-9)
+
+
 def test_movers_are_not_seen():
     """They will be elsewhere when the robot comes."""
     mover = Mover(0.4, (KeyFrame(0.0, 1.0, 0.0),))

@@ -125,6 +125,14 @@ def test_a_plan_is_in_no_hurry_where_nobody_says_how_fast():
         plan.reference(0.1, -1.0)
 
 
+def test_a_goal_with_a_heading_is_turned_to_on_the_way():
+    """By the shorter turn; without one the robot keeps its own."""
+    kept, turned = (hd.plan("hybrid3", "paper_course", goal=goal).reference(0.1).rows for goal in ((1, 4), (1, 4, 3.0)))
+    np.testing.assert_allclose(kept[:, 3], math.pi / 2)
+    assert np.all(np.diff(turned[:, 3]) >= 0.0)
+    assert turned[-1, 3] == pytest.approx(3.0)
+
+
 @pytest.mark.parametrize(("accel", "laps"), [(math.inf, 1), (0.05, 2)])
 def test_a_lap_takes_the_time_that_was_asked_for(accel, laps):
     path = planning.circle(0.5)
