@@ -16,7 +16,10 @@ from holodrive.worlds.spec import World
 
 # name -> "module:class" of a frozen parameter class (interfaces.ControllerPlug or PlainPlug)
 CONTROLLERS: dict[str, str] = {
+    "fuzzy": "holodrive.control.fuzzy_avoidance:FuzzyAvoidance",
+    "fuzzy_mpc": "holodrive.control.fuzzy_mpc:FuzzyMpc",
     "fuzzy_pd": "holodrive.control.fuzzy_pd:FuzzyPd",
+    "fuzzy_pid": "holodrive.control.fuzzy_pid:FuzzyPid",
     "go_to_pose": "holodrive.control.go_to_pose:GoToPose",
     "pid": "holodrive.control.pid:Pid",
 }

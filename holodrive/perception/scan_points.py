@@ -45,9 +45,9 @@ def median_range(beams, i, first, count, low, high):  # type: ignore[no-untyped-
 
 @leaf
 def place_scan(  # type: ignore[no-untyped-def]
-    beams, first, count, angle, step, stamp, period, sensor, history, poses, reach, median, xs, ys
+    beams, first, count, angle, step, stamp, period, sensor, history, poses, reach, median, xs, ys, ts
 ):
-    """Write the points of a scan (xs, ys) [m] in the frame of the pose history; gives how many.
+    """Write the points of a scan (xs, ys) [m], in the frame of the pose history, and their times; gives how many.
 
     Args:
         beams, first, count: ranges [m] are beams[first : first + count].
@@ -57,7 +57,7 @@ def place_scan(  # type: ignore[no-untyped-def]
         history, poses: pose history and the number of poses that it was given; at least one.
         reach: points farther than this from the sensor are left out [m].
         median: remove single outliers.
-        xs, ys: (>= count,).
+        xs, ys, ts: (>= count,).
     """
     rows = history.shape[0] // ROW
     kept = min(rows, poses)
@@ -82,6 +82,7 @@ def place_scan(  # type: ignore[no-untyped-def]
             s = history[a + 4] + share * (history[b + 4] - history[a + 4])
             xs[found] = history[a + 1] + share * (history[b + 1] - history[a + 1]) + c * px - s * py
             ys[found] = history[a + 2] + share * (history[b + 2] - history[a + 2]) + s * px + c * py
+            ts[found] = time
             found += 1
         bx, by = turn_x * bx - turn_y * by, turn_y * bx + turn_x * by
     return found
@@ -106,9 +107,23 @@ def points(scan: Scan, twist: ArrayLike = (0.0, 0.0, 0.0), reach_m: float = math
     x, y, theta = scan.mount
     sensor = np.array([x, y, math.cos(theta), math.sin(theta), scan.range_min, scan.range_max])
     period = (last - first) / (count - 1) if count > 1 else 0.0
-    xs, ys = np.empty(count), np.empty(count)
+    xs, ys, ts = np.empty(count), np.empty(count), np.empty(count)
     found = place_scan(
-        ranges, 0, count, float(scan.angles[0]), step, last, period, sensor, history, _STEPS, reach_m, median, xs, ys
+        ranges,
+        0,
+        count,
+        float(scan.angles[0]),
+        step,
+        last,
+        period,
+        sensor,
+        history,
+        _STEPS,
+        reach_m,
+        median,
+        xs,
+        ys,
+        ts,
     )
     return np.stack([xs[:found], ys[:found]], axis=1)
 

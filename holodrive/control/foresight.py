@@ -1,0 +1,110 @@
+"""Looking ahead among things that move: a few simple motions are played out against their predicted paths.
+
+A motion is to go one way for a while and then to stand. Movers are discs that go on as they do (and, where they come
+to something that stands, turn back or go on). Of the motions that stay clear for the whole horizon the one nearest to
+the wanted velocity is taken; if there is none, the one that stays clear longest.
+"""
+
+import math
+
+from holodrive.leaf import leaf
+
+WAYS = 16  # directions
+LASTING = 3  # how long to go on: a quarter of the horizon, a half, all of it
+STEP_S = 0.2  # between two looks at the future
+MOVER = 6  # a row: x, y, vx, vy, radius, time until it may turn back [s]
+TOUCH_M = 0.02  # nearer than this is a touch
+STOP_S = 0.5  # a touch that is nearer than this is met standing
+SHORTEST_S = 0.3  # what stops sooner is no motion
+_KEEP = 0.15  # what changing one's mind must win, in shares of cruising speed
+_WAIT = 0.1  # what standing costs less than going somewhere else
+
+
+@leaf
+def clear_until(px, py, vx, vy, go_s, movers, count, radius, margin, horizon):  # type: ignore[no-untyped-def]
+    """When [s] a motion first comes nearer than `margin` to a mover, and the least gap [m]; horizon if never.
+
+    Args:
+        px, py: start [m].
+        vx, vy: velocity [m/s] for `go_s`; afterwards it stands.
+        movers, count: rows of `MOVER` numbers.
+        radius: of the robot [m].
+    """
+    first, least = horizon, math.inf
+    steps = int(horizon / STEP_S) + 1
+    for i in range(steps):
+        t = i * STEP_S
+        gone = min(t, go_s)
+        x, y = px + gone * vx, py + gone * vy
+        for k in range(0, MOVER * count, MOVER):
+            # turned back where it may; the nearer of both futures counts
+            back = max(0.0, t - movers[k + 5])
+            mx, my = movers[k] + t * movers[k + 2], movers[k + 1] + t * movers[k + 3]
+            gap = math.hypot(x - mx, y - my)
+            if back > 0.0:
+                mx, my = mx - 2.0 * back * movers[k + 2], my - 2.0 * back * movers[k + 3]
+                gap = min(gap, math.hypot(x - mx, y - my))
+            gap -= radius + movers[k + 4]
+            least = min(least, gap)
+            if gap < margin and t < first:
+                first = t
+    return first, least
+
+
+@leaf
+def free_way(xs, ys, count, x, y, ux, uy, radius):  # type: ignore[no-untyped-def]
+    """How far [m] a disc gets from (x, y) along the unit vector u before it touches a point."""
+    best = math.inf
+    square = radius * radius
+    for i in range(count):
+        dx, dy = xs[i] - x, ys[i] - y
+        along, across = ux * dx + uy * dy, ux * dy - uy * dx
+        if along > 0.0 and across * across < square:
+            best = min(best, along - math.sqrt(square - across * across))
+    return max(0.0, best)
+
+
+@leaf
+def evade(  # type: ignore[no-untyped-def]
+    vx, vy, x, y, xs, ys, points, movers, count, radius, margin, gap, horizon, speed, chosen
+):
+    """Choose the velocity (2) [m/s] that keeps clear of what moves.
+
+    Args:
+        vx, vy: wanted [m/s].
+        x, y: the robot's centre [m].
+        xs, ys, points: what stands [m].
+        movers, count: see `clear_until`.
+        radius: of the robot; margin: to what moves; gap: to what stands [m].
+        horizon: [s].
+        speed: of evasive motions [m/s].
+        chosen: (2,) velocity that was chosen before [m/s]; the new one is written.
+    """
+    wanted = max(math.hypot(vx, vy), 1e-9)
+    length = free_way(xs, ys, points, x, y, vx / wanted, vy / wanted, radius + gap)
+    until, _ = clear_until(x, y, vx, vy, length / wanted, movers, count, radius, margin, horizon)
+    if until >= horizon:
+        chosen[0], chosen[1] = vx, vy
+        return
+    best, best_until, last_x, last_y = math.inf, 0.0, chosen[0], chosen[1]
+    for way in range(-1, WAYS):
+        ux = uy = length = 0.0  # way -1 is to stand
+        if way >= 0:
+            ux, uy = math.cos(2.0 * math.pi * way / WAYS), math.sin(2.0 * math.pi * way / WAYS)
+            length = free_way(xs, ys, points, x, y, ux, uy, radius + gap)
+        for part in range(LASTING if way >= 0 else 1):
+            go_s = min(length / speed, horizon * 2.0**part / 4.0)
+            until, least = clear_until(x, y, speed * ux, speed * uy, go_s, movers, count, radius, margin, horizon)
+            cx, cy = (speed * ux, speed * uy) if go_s > SHORTEST_S else (0.0, 0.0)
+            cost = math.hypot(cx - vx, cy - vy) / speed - (_WAIT if way < 0 else 0.0)
+            if math.hypot(cx - last_x, cy - last_y) < 0.1 * speed:
+                cost -= _KEEP
+            if until < horizon:  # clear for long comes before near to what is wanted
+                cost += 10.0 * (1.0 + horizon - until) - 10.0 * min(0.0, least)
+            if cost < best:
+                best, best_until = cost, until
+                chosen[0], chosen[1] = cx, cy
+    if best_until < horizon:
+        touch, _ = clear_until(x, y, chosen[0], chosen[1], 1.0, movers, count, radius, TOUCH_M, horizon)
+        if touch < STOP_S:
+            chosen[0] = chosen[1] = 0.0
