@@ -5,6 +5,7 @@ VERBS = {
     "demo": "drive three robots, replay a recorded one, write a page",
     "run": "drive one robot in one world",
     "compare": "controllers or recorded runs side by side",
+    "reproduce": "a paper's tables and figures: printed value, ours, verdict",
     "tune": "better parameters for a controller, by simulation",
     "replay": "look at a log or a recording of a real robot again",
     "render": "a run as GIF, PNG, SVG or HTML",
