@@ -26,14 +26,11 @@ def c_source(system: System, header: bool = False) -> str:
         header: for a .h file to include: everything is `static inline`, with a guard.
 
     Raises:
-        InputError: fuzzylab's faults, more than 32 outputs, or singletons beside areas in one output.
+        InputError: the system behaves as fuzzylab does, or has more than 32 outputs.
     """
     refuse_fuzzylab(system, "c")
     if len(system.outputs) > MOST_OUTPUTS:
         raise cannot(system, "c", f"{len(system.outputs)} outputs", f"it takes {MOST_OUTPUTS}; split the system")
-    for variable in system.outputs:
-        if len({one.kind == "singleton" for one in variable.sets}) > 1:
-            raise cannot(system, "c", f"that {variable.name!r} has singletons beside areas", "use one sort")
     outputs = [output_code(system, index) for index in range(len(system.outputs))]
     parts = [_opening(system), *_includes(system), c.HEAD, *_pieces(system), *_unique(outputs)]
     text = "\n".join([*parts, _evaluate(system, outputs)])
@@ -178,10 +175,9 @@ def _evaluate(system: System, outputs: list[Output]) -> str:
             f"    /* {count + 1}: {comment(_sentence(system, rule))} */",
             f"    s[{count}] = {_strength(rule, slots)};",
         ]
-    unused = ["    (void)in;"] if not any("in[" in line for line in lines[lines.index("") :]) else []
     for output in outputs:
         lines += ["", *(f"    {line}" for line in output.statements)]
-    return "\n".join([*lines, *unused, "    return silent;", "}", ""])
+    return "\n".join([*lines, "    (void)in, (void)s; /* where nothing is concluded */", "    return silent;", "}", ""])
 
 
 def _condition(system: System, index: int, place: int, slot: int) -> list[str]:

@@ -112,7 +112,9 @@ def _cells(system: System, index: int, heights: Output, rules: list[tuple[int, i
             walk.append("    n = 0;")
             walk += [f"    n = fz_line(l, n, {_real(y0)}, {_real(y1)}, {of});" for of, y0, y1 in lines]
             walk.append(f"    fz_cell(f, {_real(row[0])}, {_real(row[1])}, l, n);")
-    walk = [line.replace("@LINES@", f"struct fz_line l[{most}];") for line in walk]
+    if most == 0:
+        return Output(statements=[f"silent |= {1 << index}UL; /* no set of y[{index}] reaches into its range */"])
+    walk = [line.replace("@LINES@", f"struct fz_line l[{most}] = {{{{0, 0, 0}}}};") for line in walk]
     output = Output() if by_rule else heights
     output.pieces += [*_area(system), "\n".join([*walk, "}", ""])]
     output.declarations.append(f"struct fz_fold f{index} = {{0}};")

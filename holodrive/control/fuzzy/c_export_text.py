@@ -5,12 +5,19 @@ line by line (`control.fuzzy.degree`, `ordered`, `area`), so that both give the 
 """
 
 HEAD = """\
+#include <float.h>
+
 #ifndef FUZZY_REAL
 #define FUZZY_REAL double /* or float: define FUZZY_REAL before this line, or with -DFUZZY_REAL=float */
 #endif
 typedef FUZZY_REAL fz_real;
 #define FZ_R(number) ((fz_real)(number))
 #define FZ_NONE (FZ_R(0) / FZ_R(0)) /* not a number */
+#if DBL_MIN_10_EXP < -290 /* a rule fainter than this does not fire */
+#define FZ_FAINT (sizeof(fz_real) > sizeof(float) ? FZ_R(1e-290) : FZ_R(FLT_MIN))
+#else
+#define FZ_FAINT FZ_R(FLT_MIN)
+#endif
 """
 
 CLAMP = """\
@@ -24,10 +31,9 @@ static fz_real fz_clamped(fz_real x, fz_real low, fz_real high, int clamp)
 """
 
 HEARD = """\
-/* A rule this faint does not fire. */
 static fz_real fz_heard(fz_real strength)
 {
-    return strength > FZ_R(1e-290) ? strength : FZ_R(0);
+    return strength > FZ_FAINT ? strength : FZ_R(0);
 }
 """
 
@@ -164,26 +170,31 @@ static int fz_line(struct fz_line *l, int n, fz_real left, fz_real right, fz_rea
     return n + 1;
 }
 
-/* The place where a difference that goes from d0 to d1 is 0, put in order among n others; gives the new count. */
-static int fz_cross(fz_real *at, int n, fz_real d0, fz_real d1)
+/* The place where a difference that goes from d0 to d1 is 0, put in order among n others; gives the new count.
+   A place is a share of the cell to its left and the rest to its right: near an end only one keeps its digits. */
+static int fz_cross(fz_real *at, fz_real *rest, int n, fz_real d0, fz_real d1)
 {
-    fz_real share;
+    fz_real share, other;
     int k;
     if (!((d0 < 0 && 0 < d1) || (d1 < 0 && 0 < d0)))
         return n;
     share = d0 / (d0 - d1);
-    for (k = n; at[k - 1] > share; --k)
+    other = d1 / (d1 - d0);
+    for (k = n; at[k - 1] > share || (!(at[k - 1] < share) && rest[k - 1] < other); --k) {
         at[k] = at[k - 1];
+        rest[k] = rest[k - 1];
+    }
     at[k] = share;
+    rest[k] = other;
     return n + 1;
 }
 
-static fz_real fz_height(const struct fz_line *l, int n, fz_real share)
+static fz_real fz_height(const struct fz_line *l, int n, fz_real share, fz_real rest)
 {
     fz_real total = 0, y;
     int i;
     for (i = 0; i < n; ++i) {
-        y = l[i].left * (1 - share) + l[i].right * share;
+        y = l[i].left * rest + l[i].right * share;
 @LID@        @JOIN@
     }
     return total;
@@ -213,12 +224,12 @@ static void fz_cell(struct fz_fold *f, fz_real left, fz_real right, const struct
     int i, count = 2;
 @DECLARE@    if (n == 0)
         return;
-    u[0] = 0;
-    u[1] = 1;
+    u[0] = y[1] = 0;
+    u[1] = y[0] = 1;
 @CROSSINGS@    for (i = 0; i < count; ++i) {
         fz_real share = u[i];
         u[i] = share == 1 ? right : left + share * (right - left);
-        y[i] = fz_height(l, n, share);
+        y[i] = fz_height(l, n, share, y[i]);
     }
     fz_points(f, u, y, count);
 }
@@ -227,16 +238,16 @@ LID = """\
         y = l[i].lid < y ? l[i].lid : y;
 """
 LIDS_CROSS = """\
-        count = fz_cross(u, count, l[i].left - l[i].lid, l[i].right - l[i].lid);
+        count = fz_cross(u, y, count, l[i].left - l[i].lid, l[i].right - l[i].lid);
 """
 LINES_CROSS = """\
         for (j = 0; j < i; ++j)
-            count = fz_cross(u, count, l[i].left - l[j].left, l[i].right - l[j].right);
+            count = fz_cross(u, y, count, l[i].left - l[j].left, l[i].right - l[j].right);
 """
 OTHER_LIDS_CROSS = """\
         for (j = 0; j < n; ++j)
             if (j != i)
-                count = fz_cross(u, count, l[i].left - l[j].lid, l[i].right - l[j].lid);
+                count = fz_cross(u, y, count, l[i].left - l[j].lid, l[i].right - l[j].lid);
 """
 
 # Second passes over the cells; the first has found the area and the greatest height.

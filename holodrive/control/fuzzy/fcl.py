@@ -88,9 +88,10 @@ def _declarations(reader: Reader, variables: list[DraftVariable], opening: Token
             reader.expect(":")
             kind = reader.take()
             if kind.upper not in _TYPES:
-                raise SyntaxFault(kind, f"{kind.text!r} is no type of a variable", f"allowed: {', '.join(_TYPES)}")
+                allowed = f"allowed: {', '.join(_TYPES)}"
+                reader.draft.fault(kind.line, f"{kind.text!r} is no type of a variable", allowed, kind.column)
             end = reader.expect(";")
-            new = [DraftVariable(one.text, one.line) for one in names]
+            new = [DraftVariable(one.text, one.line) for one in names if _is_new(reader, one)]
             for one in new:
                 one.unit = reader.noted("unit", end.line) or ""
             variables += new
@@ -98,6 +99,14 @@ def _declarations(reader: Reader, variables: list[DraftVariable], opening: Token
                 reader.take()
                 for one in new:
                     reader.ranges[id(one)] = one.low, one.high = _range(reader)
+
+
+def _is_new(reader: Reader, name: Token) -> bool:
+    twin = next((one for one in (*reader.draft.inputs, *reader.draft.outputs) if one.name == name.text), None)
+    if twin is not None:
+        message = f"variable {twin.name!r} is there twice; the first is in line {twin.line}"
+        reader.draft.fault(name.line, message, column=name.column)
+    return twin is None
 
 
 def _range(reader: Reader) -> tuple[float, float]:
@@ -124,6 +133,7 @@ def _variable(reader: Reader, variables: list[DraftVariable], block: str) -> Dra
         reader.draft.fault(
             token.line, f"{block} {variable.name} is there twice; the first is in line {reader.blocks[id(variable)]}"
         )
+        return DraftVariable(token.text, token.line)
     reader.blocks.setdefault(id(variable), token.line)
     return variable
 

@@ -8,6 +8,21 @@ from holodrive.control.fuzzy.fcl_tokens import Token
 from holodrive.control.fuzzy.files_draft import Draft
 from holodrive.control.fuzzy.files_rules import Condition
 
+BLOCKS = ("VAR_INPUT", "VAR_OUTPUT", "FUZZIFY", "DEFUZZIFY", "RULEBLOCK")
+KEYWORDS = {
+    *BLOCKS,
+    *(f"END_{block}" for block in BLOCKS),
+    "IF",
+    "THEN",
+    "IS",
+    "NOT",
+    "AND",
+    "OR",
+    "WITH",
+    "TERM",
+    "RULE",
+}
+
 
 class SyntaxFault(Exception):  # never leaves the readers
     """The text at a token is not what the language has there."""
@@ -68,7 +83,7 @@ class Reader:
     def name(self, what: str) -> Token:
         """The name that must come next."""
         token = self.peek()
-        if token.kind != "word":
+        if token.kind != "word" or token.upper in KEYWORDS:
             raise SyntaxFault(token, f"the name of {what} is expected {_found(token)}")
         return self.take()
 
@@ -86,6 +101,9 @@ class Reader:
         if token.kind == "end" or (token.upper.startswith("END_") and token.upper != word):
             where = f"block {opening.upper}, which begins in line {opening.line}, has no {word}"
             raise SyntaxFault(token, where, "is the file cut off?" if token.kind == "end" else "")
+        if token.upper in BLOCKS:
+            self.draft.fault(token.line, f"block {opening.upper}, which begins in line {opening.line}, has no {word}")
+            return True
         return self.takes(word)
 
     @contextmanager
@@ -94,6 +112,8 @@ class Reader:
         try:
             yield
         except SyntaxFault as fault:
+            if self.peek().kind == "end":
+                raise
             self.draft.fault(fault.line, str(fault), fault.hint, fault.column)
             if self.tokens[self.at - 1].text != ";" or self.tokens[self.at - 1].line != fault.line:
                 while self.peek().kind != "end" and not self.peek().upper.startswith("END_"):

@@ -89,8 +89,10 @@ def _is(reader: Reader, variables: list[DraftVariable], what: str) -> tuple[int,
     negative = reader.takes("NOT")
     place = reader.name(f"a term of {name.text}")
     number = variables[index].find(place.text)
+    if not number and id(variables[index]) not in reader.blocks:
+        number = 1  # that it has no block is said once; nothing comes of this file
     if not number:
-        raise _unknown(place, f"term of {variables[index].name}", list(variables[index].sets))
+        raise _unknown(place, f"term of {variables[index].name}", variables[index].names)
     return index, -number if negative else number
 
 

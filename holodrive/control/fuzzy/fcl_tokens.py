@@ -42,6 +42,7 @@ def tokens(draft: Draft) -> tuple[list[Token], dict[int, list[str]]]:
             close = text.find(closing, at + 2)
             if close < 0 and opening != "//":
                 draft.fault(line, f"the comment that begins here has no end {closing!r}", column=at - start + 1)
+                draft.source.refuse()
             inner = text[at + 2 : close if close >= 0 else len(text)]
             comments.setdefault(line, []).append(inner.strip())
             end = len(text) if close < 0 else close + (0 if opening == "//" else 2)

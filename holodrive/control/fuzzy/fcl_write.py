@@ -88,8 +88,6 @@ def _defuzzify(system: System, variable: Variable) -> list[str]:
     if any(one.kind == "linear" for one in variable.sets):
         raise cannot(system, "fcl", f"the linear conclusions of {variable.name!r}", ".fis and FML can")
     singletons = {one.kind in ("singleton", "constant") for one in variable.sets}
-    if len(singletons) > 1:
-        raise cannot(system, "fcl", f"that {variable.name!r} has singletons beside areas", "use one sort")
     method = _METHODS[system.defuzzification]
     if method == "COG" and (singletons == {True} or not (singletons or _areas(system))):
         method = "COGS"

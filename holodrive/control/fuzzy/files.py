@@ -17,11 +17,6 @@ _PARSE = {"fis": fis.parse, "fcl": fcl.parse, "fml": fml.parse}
 _TEXT = {"fis": fis_write.text, "fcl": fcl_write.text, "fml": fml_write.text}
 
 
-def is_fuzzy(path: str | Path) -> bool:
-    """Whether the ending of a file says that it holds a fuzzy system."""
-    return Path(path).suffix.lower() in FORMATS
-
-
 def read(path: str | Path) -> System:
     """The system of a file.
 

@@ -29,6 +29,11 @@ class DraftVariable:
     sets: dict[str, Set | None] = field(default_factory=dict)
     lines: dict[str, int] = field(default_factory=dict)
 
+    @property
+    def names(self) -> list[str]:
+        """Of the sets; one that is there twice counts once."""
+        return [name for name in self.sets if "\0" not in name]
+
     def find(self, name: str) -> int:
         """Number of a set, from 1; letter case counts only where two names differ in nothing else; 0 = none."""
         return position(list(self.sets), name)
@@ -51,6 +56,7 @@ class Draft:
 
     def unknown(self, line: int, what: str, found: str, known: list[str], column: int = 1) -> None:
         """Note a name that there is not: the nearest one, and all those that there are."""
+        known = list(dict.fromkeys(known))
         allowed = f"known: {', '.join(known)}" if known else f"there is no {what} at all"
         self.fault(line, f"no {what} called {found!r}{did_you_mean(found, known)}", allowed, column)
 
@@ -65,6 +71,7 @@ class Draft:
     def add_set(self, variable: DraftVariable, line: int, name: str, made: tuple[SetKind, list[float]] | None) -> None:
         """Append a set to a variable; `made` is its kind and parameters, None when a fault of them is noted already."""
         if name in variable.sets:
+            variable.sets[f"{name}\0{line}"] = None  # so that the sets behind it keep their numbers
             self.fault(
                 line,
                 f"variable {variable.name!r} has the set {name!r} twice; the first is in line {variable.lines[name]}",
@@ -104,6 +111,7 @@ class Draft:
                 self.fault(
                     variable.line, f"variable {variable.name!r} is there twice; the first is in line {twin.line}"
                 )
+        self._check_kinds()
         inputs, outputs = self._finished(self.inputs), self._finished(self.outputs)
         for what, there in (("inputs", self.inputs), ("outputs", self.outputs), ("rules", self.rules)):
             if not there and not self.source.faults:
@@ -115,6 +123,19 @@ class Draft:
             self.fault(0, str(error))
             self.source.refuse()
             raise
+
+    def _check_kinds(self) -> None:
+        """Fuzzy sets and Sugeno conclusions in their places."""
+        kind = self.options.get("kind", "mamdani")
+        places = [(one, "an input", False) for one in self.inputs]
+        places += [(one, "an output", kind == "sugeno") for one in self.outputs]
+        for variable, where, conclusions in places:
+            for name, one in variable.sets.items():
+                if one is not None and one.is_conclusion != conclusions:
+                    message = (
+                        f"set {name!r} of {variable.name!r} is {one.kind!r}, which has no place in {where} of a {kind}"
+                    )
+                    self.fault(variable.lines[name], f"{message} system")
 
     def _finished(self, variables: list[DraftVariable]) -> tuple[Variable, ...]:
         done: list[Variable] = []

@@ -35,8 +35,8 @@ WORDS = {
     ),
 }
 _SYSTEM_KEYS = ["Name", "Type", "Version", "NumInputs", "NumOutputs", "NumRules", *WORDS]
-_HEADER = re.compile(r"\[\s*([A-Za-z]+)\s*(\d*)\s*\]")
-_PAIR = re.compile(r"\s*([A-Za-z]+)(\d*)\s*=\s*(.*?)\s*")
+_HEADER = re.compile(r"\[ ?([A-Za-z]+) ?(\d*) ?\]")
+_PAIR = re.compile(r"([A-Za-z]+)(\d*) *= *(.*)")
 _NOTE = re.compile(r"%(Unit|Default)=(.*)")
 _QUOTED = re.compile(r"'([^']*)'|\"([^\"]*)\"")
 _MF = re.compile(r"(?:'([^']*)'|\"([^\"]*)\")\s*:\s*(?:'([^']*)'|\"([^\"]*)\")\s*,\s*\[([^\[\]]*)\]")
@@ -66,15 +66,15 @@ def parse(text: str, file: str) -> System:
     draft.inputs = _variables(draft, sections, "Input")
     draft.outputs = _variables(draft, sections, "Output")
     counts = found or {}
-    complete = _counted(draft, counts, "NumInputs", len(draft.inputs), "[Input] section") and _counted(
-        draft, counts, "NumOutputs", len(draft.outputs), "[Output] section"
+    complete = _counted(draft, counts, "NumInputs", len(draft.inputs), "[Input] sections") and _counted(
+        draft, counts, "NumOutputs", len(draft.outputs), "[Output] sections"
     )
     rules = sections.get(("rules", 0))
     if rules is None:
         draft.fault(0, "the file has no [Rules] section", "is it cut off?")
     elif complete:
         _rules(draft, rules)
-        _counted(draft, counts, "NumRules", len([line for _, line in rules.lines if line.strip()]), "line in [Rules]")
+        _counted(draft, counts, "NumRules", len([line for _, line in rules.lines if line.strip()]), "lines in [Rules]")
     return draft.system()
 
 
@@ -82,7 +82,7 @@ def _sections(draft: Draft) -> dict[tuple[str, int], Section]:
     sections: dict[tuple[str, int], Section] = {}
     current: Section | None = None
     for number, line in enumerate(draft.source.lines, 1):
-        if line.lstrip().startswith("[") and (match := _HEADER.fullmatch(line.strip())):
+        if (match := _HEADER.fullmatch(line.strip())) is not None:
             key = (match[1].casefold(), int(match[2][:6] or 0))
             if key[0] not in ("system", "input", "output", "rules"):
                 draft.unknown(number, "section", match[1], ["System", "Input1", "Output1", "Rules"])
@@ -103,7 +103,7 @@ def _pairs(draft: Draft, section: Section, keys: list[str]) -> dict[str, tuple[i
     spelt = {key.casefold(): key for key in keys}
     pairs: dict[str, tuple[int, str]] = {}
     for line, text in section.lines:
-        match = _PAIR.fullmatch(text)
+        match = _PAIR.fullmatch(text.strip())
         if note := _NOTE.fullmatch(text):
             pairs["%" + note[1]] = (line, note[2].strip())
         if not text.strip() or text.startswith(("%", "#")):
@@ -123,6 +123,7 @@ def _pairs(draft: Draft, section: Section, keys: list[str]) -> dict[str, tuple[i
 def _system(draft: Draft, sections: dict[tuple[str, int], Section]) -> dict[str, tuple[int, str]] | None:
     section = sections.get(("system", 0))
     if section is None:
+        draft.source.refuse()
         draft.fault(0, "the file has no [System] section", "a .fis file begins with it")
         return None
     pairs = _pairs(draft, section, _SYSTEM_KEYS)
@@ -169,7 +170,7 @@ def _counted(draft: Draft, pairs: dict[str, tuple[int, str]], key: str, found: i
     if not re.fullmatch(r"\d{1,6}", value):
         draft.fault(line, f"{key} is {value[:40]!r}; it must be a whole number")
     elif int(value) != found:
-        draft.fault(line, f"{key} says {value}, the file has {found} {what}{'s' * (found != 1)}")
+        draft.fault(line, f"{key} says {value}, but counting the {what} gives {found}")
     else:
         return True
     return False
@@ -199,10 +200,9 @@ def _variable(draft: Draft, section: Section) -> DraftVariable:
     for place, number in enumerate(sorted(functions), 1):
         line, value = functions[number]
         if number != place:
-            draft.fault(line, f"MF{number} follows MF{place - 1}; they count from 1 without holes")
-            break
+            draft.fault(line, f"MF{number} is the {place}. of the variable; they count from 1 without holes")
         _membership(draft, variable, line, value)
-    _counted(draft, pairs, "NumMFs", len(functions), "MF line")
+    _counted(draft, pairs, "NumMFs", len(functions), "MF lines")
     if match := _QUOTED.fullmatch(pairs.get("%Unit", (0, ""))[1]):
         variable.unit = match[1] or ""
     if "%Default" in pairs:
@@ -227,6 +227,7 @@ def _membership(draft: Draft, variable: DraftVariable, line: int, value: str) ->
     match = _MF.fullmatch(value)
     if match is None:
         draft.fault(line, f"{value[:60]!r} is no membership function", "such as MF1='near':'trimf',[0 250 500]")
+        draft.add_set(variable, line, f"\0{line}", None)
         return
     name = match[1] if match[1] is not None else match[2]
     shape = match[3] if match[3] is not None else match[4]

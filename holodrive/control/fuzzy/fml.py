@@ -17,9 +17,9 @@ from holodrive.errors import InputError
 AND = {"MIN": "min", "PROD": "prod", "BDIF": "bounded", "BSUM": "bounded"}  # the schema misprints BDIF as BSUM
 OR = {"MAX": "max", "PROBOR": "probor", "BSUM": "bounded"}
 ACTIVATION = {"MIN": "min", "PROD": "prod"}
-ACCUMULATION = {"MAX": "max", "CUSTOM_SUM": "sum"}
+ACCUMULATION = {"MAX": "max", "custom_sum": "sum"}
 DEFUZZIFIERS = {"COG": "centroid", "COA": "bisector", "MOM": "mom", "LM": "som", "RM": "lom"}
-COMBINATIONS = {"WA": "wtaver", "CUSTOM_WTSUM": "wtsum"}
+COMBINATIONS = {"WA": "wtaver", "custom_wtsum": "wtsum"}
 
 
 def parse(text: str, file: str) -> System:
@@ -106,10 +106,10 @@ def _output_options(draft: Draft, element: Element) -> None:
 def _agreed(draft: Draft, element: Element, option: str, name: str, allowed: dict[str, str], default: str) -> None:
     """An option that all elements must give alike; what is left out is the standard's default."""
     word = element.get(name, default)
-    if word.upper() not in allowed:
+    value = {key.upper(): one for key, one in allowed.items()}.get(word.upper())
+    if value is None:
         draft.unknown(element.line, name, word, list(allowed))
         return
-    value = allowed[word.upper()]
     if draft.options.setdefault(option, value) != value:
         before = next(key for key, one in allowed.items() if one == draft.options[option])
         draft.fault(element.line, f"{name} is {word} here and {before} before; a system has one")
@@ -192,8 +192,7 @@ def _clause(draft: Draft, element: Element, variables: list[DraftVariable], what
         return None
     term = variables[index].find(words["term"].text)
     if not term:
-        known = list(variables[index].sets)
-        draft.unknown(words["term"].line, f"term of {names[index]}", words["term"].text, known)
+        draft.unknown(words["term"].line, f"term of {names[index]}", words["term"].text, variables[index].names)
         return None
     modifier = element.get("modifier").lower()
     if modifier not in ("", "norm", "not") or (modifier == "not" and what == "output"):

@@ -11,7 +11,7 @@ from random_systems import STRAIGHT, mamdani, rule, variable, with_input
 from holodrive.control import fuzzy
 from holodrive.control.fuzzy import Set, System, Variable, files
 from holodrive.control.fuzzy.files_words import straightened
-from holodrive.errors import FileFaults, InputError
+from holodrive.errors import InputError
 
 FORMATS = ("fis", "fcl", "fml")
 ANY = mamdani((*STRAIGHT, "gaussian", "bell"))
@@ -48,6 +48,16 @@ def singletons(draw):
 SYSTEMS = st.one_of(ANY, sugeno(), singletons())
 
 
+def said(system, format):
+    """The text, or None where the format refuses in one line to say it."""
+    try:
+        return files.text(system, format)
+    except InputError as error:
+        if "cannot say" not in str(error) or "\n" in str(error):
+            raise
+        return None
+
+
 def same(left, right, x, clamp):
     """Equal values, NaN where the other has NaN."""
     a, b = left.evaluate(x, clamp), right.evaluate(x, clamp)
@@ -58,13 +68,8 @@ def same(left, right, x, clamp):
 @given(with_input(SYSTEMS), st.booleans())
 def test_what_is_written_reads_back_as_a_system_that_does_the_same(format, drawn, clamp):
     system, x = drawn
-    try:
-        text = files.text(system, format)
-    except FileFaults:
-        raise
-    except InputError as error:
-        assert "cannot say" in str(error)
-        assert "\n" not in str(error)
+    text = said(system, format)
+    if text is None:
         return
     again = files.parse(text, format)
     assert same(system, again, x, clamp)
@@ -77,11 +82,10 @@ def test_what_a_format_can_say_reads_back_equal(format, system):
     """Triangles, trapezoids and curves come back number for number; only polylines may come back under other names."""
     if any(one.kind == "polyline" for variable in system.inputs for one in variable.sets):
         return
-    try:
-        again = files.parse(files.text(system, format), format)
-    except InputError as error:
-        assert not isinstance(error, FileFaults)
+    text = said(system, format)
+    if text is None:
         return
+    again = files.parse(text, format)
     if format == "fcl":  # a single condition has no connective there
         flat = [replace(one, connective="and") if sum(map(bool, one.inputs)) == 1 else one for one in system.rules]
         system = replace(system, rules=tuple(flat))
@@ -94,12 +98,10 @@ def test_a_chain_of_formats_keeps_the_behaviour(drawn, order):
     system, x = drawn
     passed = system
     for format in (*order, order[0]):
-        try:
-            passed = files.parse(files.text(passed, format), format)
-        except FileFaults:
-            raise
-        except InputError:
+        text = said(passed, format)
+        if text is None:
             return
+        passed = files.parse(text, format)
     assert same(system, passed, x, True)
     assert same(system, passed, x, False)
 
