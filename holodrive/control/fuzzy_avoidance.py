@@ -1,7 +1,7 @@
 """Fuzzy obstacle avoidance with a lidar on the way to a goal: the controller of the first paper, completed."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, ClassVar, Literal, NamedTuple
 
@@ -45,8 +45,8 @@ DEFAULTS = {
 }
 # what a profile brings beside its sets and rules
 BY_PROFILE: dict[str, dict[str, float]] = {}
-# what is worth tuning, and where: field -> (lowest, highest)
-PARAMETERS = {
+# what is worth tuning, and where (`holodrive tune`): field -> (lowest, highest)
+BOUNDS = {
     "n_top": (100.0, 500.0),
     "n_foot": (250.0, 800.0),
     "m_top": (300.0, 1200.0),
@@ -185,6 +185,20 @@ class FuzzyAvoidance:
         """The fuzzy system with its break points."""
         breaks = (self.n_top, self.n_foot, self.m_top, self.f_foot, self.f_top)
         return _system(self.profile, self.fuzzylab_compat, breaks if any(breaks) else None)
+
+    def resolved(self) -> "FuzzyAvoidance":
+        """The same with every number said that the profile or `DEFAULTS` say: where tuning starts.
+
+        Break points are those of DR, which are all inputs' own once a profile is repaired.
+        """
+        breaks = (self.n_top, self.n_foot, self.m_top, self.f_foot, self.f_top)
+        sets = self.system.inputs[2].sets
+        if not any(breaks) and [one.kind for one in sets] == ["trapezoid", "triangle", "trapezoid"]:
+            n, m, f = (one.params for one in sets)
+            breaks = (n[2], n[3], m[1], f[0], f[1])
+        names = ("n_top", "n_foot", "m_top", "f_foot", "f_top")
+        said = dict(zip(names, breaks, strict=True)) | {name: self.number(name) for name in DEFAULTS}
+        return replace(self, **said)  # type: ignore[arg-type]
 
     def memory_size(self, robot: Robot) -> int:
         """Poses of one scan time, its points, and scratch."""
@@ -325,4 +339,4 @@ def last(controller: Any) -> LastTick:
     )
 
 
-__all__ = ["BY_PROFILE", "DEFAULTS", "PARAMETERS", "DifferentialView", "FuzzyAvoidance", "LastTick", "guided", "last"]
+__all__ = ["BOUNDS", "BY_PROFILE", "DEFAULTS", "DifferentialView", "FuzzyAvoidance", "LastTick", "guided", "last"]
