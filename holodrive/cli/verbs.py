@@ -14,7 +14,7 @@ VERBS = {
     "explain": "what a fuzzy system does and why, and what is wrong with it",
     "list": "robots, worlds, controllers, motors, sensors that there are",
     "new": "a commented start for a robot, world or controller",
-    "check": "look for faults in robot and world files",
+    "check": "look for faults in robot, world and fuzzy files",
     "bench": "how fast it is on this machine",
     "doctor": "whether this machine has all it takes",
     "completion": "tab completion for your shell",
