@@ -149,7 +149,8 @@ class FuzzyMpcController:
             plug.k_xy, plug.k_theta, "world", 1.0, plug.max_speed_m_s, plug.max_yaw_rate_rad_s, plug.arrive_m,
             plug.arrive_rad,
         )  # fmt: skip
-        self._mpc, self._times = Mpc(robot, horizon, int(plug.max_iterations)), plug.dt_s * np.arange(horizon.steps + 1)
+        self._mpc = Mpc(robot, horizon, int(plug.max_iterations))
+        self._times: Array = plug.dt_s * np.arange(horizon.steps + 1.0)
         self._wish, self._fastest = wish.pack(robot), min(plug.max_speed_m_s, top_speeds(robot)[0])
         self._reach = robot.footprint_radius_m + plug.margin_m
         self._fuzzy = plug.fuzzy.pack(robot)

@@ -126,5 +126,5 @@ class FuzzyPid:
             self.wheel_slew_m_s2,
             self.wheel_share,
         )
-        parts = [self._pid.pack(robot), gains, kinematics.arrays(robot), self._fuzzy.pack(robot)]
+        parts = [self._pid.pack(robot), np.array(gains), kinematics.arrays(robot), self._fuzzy.pack(robot)]
         return np.concatenate(parts)
