@@ -4,7 +4,7 @@ from importlib import import_module
 from pkgutil import iter_modules
 
 from holodrive.errors import UnknownName
-from holodrive.experiments.claims import Claim, Verdict, claim_table, claimed
+from holodrive.experiments.claims import Claim, ClaimSection, Verdict, claim_table, claimed
 from holodrive.experiments.experiment import Experiment, Part, Result, Setting
 
 
@@ -27,6 +27,7 @@ def load(name: str) -> Experiment:
 
 __all__ = [
     "Claim",
+    "ClaimSection",
     "Experiment",
     "Part",
     "Result",

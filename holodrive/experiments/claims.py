@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from html import escape
 from typing import Literal
 
 from holodrive.reports.tables import Table
@@ -86,6 +87,27 @@ def claim_table(claims: Iterable[Claim], title: str = "") -> Table:
     )
     numeric = (False, False, True, True, True, False, False)
     return Table(title, _HEADERS, cells, data, numeric)
+
+
+@dataclass(frozen=True)
+class ClaimSection:
+    """Claims on a page: a table in which each note stands under its row."""
+
+    title: str
+    claims: tuple[Claim, ...]
+
+    def html(self) -> str:
+        """What stands under the heading."""
+        head = "".join(f'<th scope="col">{name}</th>' for name in _HEADERS[:-1])
+        rows = "".join(self._row(cells) for cells in claim_table(self.claims).cells)
+        return f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
+
+    def _row(self, cells: tuple[str, ...]) -> str:
+        where, *others, note = cells
+        row = f'<th scope="row">{escape(where)}</th>' + "".join(f'<td class="wrap">{escape(c)}</td>' for c in others)
+        if not note:
+            return f"<tr>{row}</tr>"
+        return f'<tr class="noted">{row}</tr><tr class="remark"><td></td><td colspan="5">{escape(note)}</td></tr>'
 
 
 def _shown(value: Value, unit: str) -> str:

@@ -118,9 +118,9 @@ def _page(
 ) -> str | None:
     from pathlib import Path
 
-    from holodrive.experiments import claim_table
+    from holodrive.experiments import ClaimSection
     from holodrive.reports.page import Report
-    from holodrive.reports.sections import Section, TableSection
+    from holodrive.reports.sections import Section
 
     whole = len(parts) == len(experiment.parts)
     path = options["path"] or (f"out/reproduce/{experiment.name}.html" if whole else None)
@@ -129,7 +129,7 @@ def _page(
     sections: list[Section] = []
     for part, result in zip(parts, results, strict=True):
         if result.claims:
-            sections.append(TableSection(part.title, claim_table(result.claims)))
+            sections.append(ClaimSection(part.title, result.claims))
         sections += result.sections
     Path(path).parent.mkdir(parents=True, exist_ok=True)
     Report(experiment.title, tuple(sections), experiment.lead).save(path)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holodrive.control.fuzzy.evaluation import evaluate, membership, strengths
-from holodrive.control.fuzzy.finding import rule_words, with_unit
+from holodrive.control.fuzzy.lint.finding import rule_words, with_unit
 from holodrive.control.fuzzy.shares import shares
 from holodrive.control.fuzzy.system import System, Variable
 from holodrive.errors import InputError

@@ -34,7 +34,8 @@ ON_COURSE = (
     Variant("bee colony + PID", controller="pid", plan="bee_colony"),
     Variant("shortest path + PID", controller="pid", plan="visibility"),
 )
-DRAWN = ("repaired", "tuned", "repaired, differential", "Table VIII as printed", "bee colony + PID")
+DRAWN = ("repaired", "repaired, differential", "Table VIII as printed", "Table VII as printed", "bee colony + PID")
+REPLAYED = ("repaired", "Table VIII as printed", "bee colony + PID")
 
 
 def a1(setting: Setting) -> Result:
@@ -58,10 +59,11 @@ def a2(setting: Setting) -> Result:
 def _fixed(title: str, world: World, note: str) -> Result:
     runs = {variant.name: on_course(variant, world) for variant in ON_COURSE}
     rows = [{"controller": name, **_figures(run)} for name, run in runs.items()]
-    drawn = {name: run for name, run in runs.items() if name in DRAWN}
+    paths = paths_over(world, [(name, runs[name].pose) for name in DRAWN], 620.0, 760.0)
     sections: tuple[Section, ...] = (
         TableSection(title, table(rows), note),
-        ComparisonSection(tuple(drawn.values()), tuple(drawn), f"{title}, paths"),
+        Gallery(f"{title}, paths", ((world.title, paths),)),
+        ComparisonSection(tuple(runs[name] for name in REPLAYED), REPLAYED, f"{title}, replay"),
     )
     return Result(sections=sections, data={"rows": rows})
 

@@ -23,7 +23,7 @@ STEP = {
     "FLC": (0.36, 2.01, 0.02, 0.71),
 }  # Table XII: rise s, settling s, error, overshoot
 
-SETS = {  # section VI.B: parameters of trapmf and trimf
+SETS: dict[str, dict[str, tuple[float, ...]]] = {  # section VI.B: parameters of trapmf and trimf
     "DH": {"N": (0, 0, 250, 500), "M": (250, 750, 1500), "F": (1000, 1500, 2500, 2500)},
     "DL": {"N": (0, 0, 250, 500), "M": (500, 750, 1000), "F": (750, 1000, 2500, 2500)},
     "DR": {"N": (0, 0, 250, 500), "M": (250, 750, 1500), "F": (500, 1500, 2500, 2500)},

@@ -16,8 +16,8 @@ from holodrive.planning import Plan
 def table_x(setting: Setting) -> Result:
     """Lengths, times, turns and via points."""
     world, robot = worlds.load("paper_course"), robots.table_x()
-    exact = build.plan(robot, world, "visibility")
-    colony = [build.plan(robot, world, "bee_colony", seed=seed) for seed in range(1, setting.seeds + 1)]
+    exact = build.plan(robot, world, "visibility", margin_m=0.0)
+    colony = [build.plan(robot, world, "bee_colony", seed=seed, margin_m=0.0) for seed in range(1, setting.seeds + 1)]
     plan = sorted(colony, key=lambda p: p.length_m)[len(colony) // 2]
     fuzzy = courses.on_course(variants.REPAIRED, world)
     bees = courses.on_course(next(v for v in courses.ON_COURSE if v.plan == "bee_colony"), world)

@@ -16,7 +16,7 @@ from test_files_round_trip import SYSTEMS
 
 from holodrive.control import fuzzy
 from holodrive.control.fuzzy import files
-from holodrive.control.fuzzy.c_export import c_source
+from holodrive.control.fuzzy.files.c_export import c_source
 from holodrive.errors import InputError
 
 CC = shutil.which("cc")

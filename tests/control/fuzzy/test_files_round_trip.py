@@ -10,7 +10,7 @@ from random_systems import STRAIGHT, mamdani, rule, variable, with_input
 
 from holodrive.control import fuzzy
 from holodrive.control.fuzzy import Set, System, Variable, files
-from holodrive.control.fuzzy.files_words import straightened
+from holodrive.control.fuzzy.files.words import straightened
 from holodrive.errors import InputError
 
 FORMATS = ("fis", "fcl", "fml")

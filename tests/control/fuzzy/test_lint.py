@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from holodrive.control.fuzzy import Rule, Set, System, Variable, load
-from holodrive.control.fuzzy.finding import numbers
 from holodrive.control.fuzzy.lint import CODES, Finding, lint
+from holodrive.control.fuzzy.lint.finding import numbers
 from holodrive.errors import InputError
 
 SENSOR_MM = (120.0, 3000.0)  # what the paper's program sets its lidar to

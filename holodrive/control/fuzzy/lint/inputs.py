@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from holodrive.control.fuzzy.finding import Finding, with_unit
-from holodrive.control.fuzzy.patterns import MOST, Patterns, fired, input_patterns
+from holodrive.control.fuzzy.lint.finding import Finding, with_unit
+from holodrive.control.fuzzy.lint.patterns import MOST, Patterns, fired, input_patterns
 from holodrive.control.fuzzy.shape import Shape, breaks, shapes
 from holodrive.control.fuzzy.system import System, Variable
 from holodrive.types import Array

@@ -7,10 +7,10 @@ combination `custom_wtsum`; the shape `custom_gbell` has MATLAB's a, b, c as par
 import math
 from typing import Literal
 
-from holodrive.control.fuzzy.files_draft import Draft, DraftVariable, opened, position
-from holodrive.control.fuzzy.files_rules import Is, Joined, Norms, flat_rules
-from holodrive.control.fuzzy.fml_terms import fuzzy_term, number, settled_domains, tsk_term
-from holodrive.control.fuzzy.fml_tree import Element, tree
+from holodrive.control.fuzzy.files.draft import Draft, DraftVariable, opened, position
+from holodrive.control.fuzzy.files.fml_terms import fuzzy_term, number, settled_domains, tsk_term
+from holodrive.control.fuzzy.files.fml_tree import Element, tree
+from holodrive.control.fuzzy.files.rules import Is, Joined, Norms, flat_rules
 from holodrive.control.fuzzy.system import Rule, System
 from holodrive.errors import InputError
 

@@ -4,7 +4,7 @@ import math
 import re
 from xml.sax.saxutils import escape, quoteattr
 
-from holodrive.control.fuzzy.files_words import cannot, number, refuse_fuzzylab
+from holodrive.control.fuzzy.files.words import cannot, number, refuse_fuzzylab
 from holodrive.control.fuzzy.sets import Set
 from holodrive.control.fuzzy.system import Rule, System, Variable
 

@@ -2,8 +2,8 @@
 
 import math
 
-from holodrive.control.fuzzy.files_words import cannot, number, numbers, refuse_fuzzylab, straightened
-from holodrive.control.fuzzy.fis import WORDS
+from holodrive.control.fuzzy.files.fis import WORDS
+from holodrive.control.fuzzy.files.words import cannot, number, numbers, refuse_fuzzylab, straightened
 from holodrive.control.fuzzy.sets import Set
 from holodrive.control.fuzzy.system import Rule, System, Variable
 

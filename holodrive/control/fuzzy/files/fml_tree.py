@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
-from holodrive.control.fuzzy.files_draft import Draft
+from holodrive.control.fuzzy.files.draft import Draft
 from holodrive.errors import did_you_mean
 
 DEEPEST = 20  # elements within each other; FML has seven

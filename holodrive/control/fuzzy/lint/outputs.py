@@ -8,8 +8,8 @@ from itertools import product
 import numpy as np
 
 from holodrive.control.fuzzy.evaluation import evaluate
-from holodrive.control.fuzzy.finding import Finding, with_unit
-from holodrive.control.fuzzy.patterns import input_patterns
+from holodrive.control.fuzzy.lint.finding import Finding, with_unit
+from holodrive.control.fuzzy.lint.patterns import input_patterns
 from holodrive.control.fuzzy.sets import Set
 from holodrive.control.fuzzy.shape import Shape, breaks, shapes
 from holodrive.control.fuzzy.system import Rule, System, Variable

@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass
 
-from holodrive.control.fuzzy.files_draft import Draft
+from holodrive.control.fuzzy.files.draft import Draft
 
 _TOKEN = re.compile(
     r"(?P<number>[+-]?(?:\d+\.(?!\.)\d*|\d+|\.\d+)(?:[eE][+-]?\d+)?)"

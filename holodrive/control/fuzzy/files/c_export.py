@@ -8,9 +8,9 @@ gives the same numbers.
 import math
 import re
 
-from holodrive.control.fuzzy import c_export_text as c
-from holodrive.control.fuzzy.c_export_outputs import Output, output_code
-from holodrive.control.fuzzy.files_words import cannot, number, refuse_fuzzylab
+from holodrive.control.fuzzy.files import c_export_text as c
+from holodrive.control.fuzzy.files.c_export_outputs import Output, output_code
+from holodrive.control.fuzzy.files.words import cannot, number, refuse_fuzzylab
 from holodrive.control.fuzzy.membership import corners
 from holodrive.control.fuzzy.sets import Set
 from holodrive.control.fuzzy.system import Rule, System, Variable

@@ -9,7 +9,7 @@ import math
 import re
 from dataclasses import dataclass, field
 
-from holodrive.control.fuzzy.files_draft import Draft, DraftVariable, opened
+from holodrive.control.fuzzy.files.draft import Draft, DraftVariable, opened
 from holodrive.control.fuzzy.sets import SetKind
 from holodrive.control.fuzzy.system import Rule, System
 

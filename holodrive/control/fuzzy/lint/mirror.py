@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from holodrive.control.fuzzy.finding import Finding, numbers
-from holodrive.control.fuzzy.lint_outputs import conclusion
+from holodrive.control.fuzzy.lint.finding import Finding, numbers
+from holodrive.control.fuzzy.lint.outputs import conclusion
 from holodrive.control.fuzzy.shape import breaks, shapes
 from holodrive.control.fuzzy.system import Rule, System, Variable
 from holodrive.errors import InputError

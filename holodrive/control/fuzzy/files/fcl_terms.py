@@ -2,8 +2,8 @@
 
 import math
 
-from holodrive.control.fuzzy.fcl_reader import Reader, SyntaxFault
-from holodrive.control.fuzzy.files_draft import DraftVariable
+from holodrive.control.fuzzy.files.draft import DraftVariable
+from holodrive.control.fuzzy.files.fcl_reader import Reader, SyntaxFault
 from holodrive.control.fuzzy.sets import Set, SetKind
 
 SHAPES: dict[str, tuple[SetKind, int]] = {

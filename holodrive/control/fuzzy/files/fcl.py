@@ -6,11 +6,11 @@ terms, METHOD MM, ACCU SUM, C comments. `(* unit: mm *)` behind the declaration 
 
 import math
 
-from holodrive.control.fuzzy.fcl_reader import Reader, SyntaxFault
-from holodrive.control.fuzzy.fcl_rules import NORMS, rule, settled_rules
-from holodrive.control.fuzzy.fcl_terms import RESERVED, settled_outputs, settled_ranges, term
-from holodrive.control.fuzzy.fcl_tokens import Token, tokens
-from holodrive.control.fuzzy.files_draft import DraftVariable, opened, position
+from holodrive.control.fuzzy.files.draft import DraftVariable, opened, position
+from holodrive.control.fuzzy.files.fcl_reader import Reader, SyntaxFault
+from holodrive.control.fuzzy.files.fcl_rules import NORMS, rule, settled_rules
+from holodrive.control.fuzzy.files.fcl_terms import RESERVED, settled_outputs, settled_ranges, term
+from holodrive.control.fuzzy.files.fcl_tokens import Token, tokens
 from holodrive.control.fuzzy.system import System
 
 _BLOCKS = ["VAR_INPUT", "VAR_OUTPUT", "FUZZIFY", "DEFUZZIFY", "RULEBLOCK", "END_FUNCTION_BLOCK"]

@@ -7,9 +7,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from holodrive.control.fuzzy.finding import Finding, rule_words
-from holodrive.control.fuzzy.lint_inputs import dead_share
-from holodrive.control.fuzzy.patterns import MOST, Patterns, fired, input_patterns
+from holodrive.control.fuzzy.lint.finding import Finding, rule_words
+from holodrive.control.fuzzy.lint.inputs import dead_share
+from holodrive.control.fuzzy.lint.patterns import MOST, Patterns, fired, input_patterns
 from holodrive.control.fuzzy.shape import Shape, breaks, shapes
 from holodrive.control.fuzzy.system import Rule, System
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from holodrive.control.fuzzy.finding import Finding, numbers
-from holodrive.control.fuzzy.lint_mirror import Sides
-from holodrive.control.fuzzy.lint_outputs import conclusion
+from holodrive.control.fuzzy.lint.finding import Finding, numbers
+from holodrive.control.fuzzy.lint.mirror import Sides
+from holodrive.control.fuzzy.lint.outputs import conclusion
 from holodrive.control.fuzzy.shape import breaks, shapes
 from holodrive.control.fuzzy.system import System, Variable
 

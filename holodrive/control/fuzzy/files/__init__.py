@@ -6,8 +6,8 @@ that a format cannot express is refused when written, and nothing is left out in
 
 from pathlib import Path
 
-from holodrive.control.fuzzy import c_export, fcl, fcl_write, fis, fis_write, fml, fml_write
-from holodrive.control.fuzzy.files_draft import LARGEST
+from holodrive.control.fuzzy.files import c_export, fcl, fcl_write, fis, fis_write, fml, fml_write
+from holodrive.control.fuzzy.files.draft import LARGEST
 from holodrive.control.fuzzy.system import System
 from holodrive.errors import InputError, UnknownName
 from holodrive.files.source import read as read_text
@@ -71,3 +71,6 @@ def _format(path: Path, formats: dict[str, str]) -> str:
     if path.suffix.lower() not in formats:
         raise InputError(f"{path}: {path.suffix or 'no ending'!r} is none of the endings {', '.join(formats)}")
     return formats[path.suffix.lower()]
+
+
+__all__ = ["FORMATS", "parse", "read", "text", "write"]

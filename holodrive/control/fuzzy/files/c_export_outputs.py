@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, field
 
-from holodrive.control.fuzzy import c_export_text as c
 from holodrive.control.fuzzy import packing as pk
+from holodrive.control.fuzzy.files import c_export_text as c
 from holodrive.control.fuzzy.system import System
 from holodrive.types import Array
 

@@ -3,10 +3,10 @@
 import math
 from typing import Literal
 
-from holodrive.control.fuzzy.fcl_reader import PendingRule, Reader, SyntaxFault
-from holodrive.control.fuzzy.fcl_tokens import Token
-from holodrive.control.fuzzy.files_draft import DraftVariable, position
-from holodrive.control.fuzzy.files_rules import Condition, Is, Joined, Norms, Not, flat_rules
+from holodrive.control.fuzzy.files.draft import DraftVariable, position
+from holodrive.control.fuzzy.files.fcl_reader import PendingRule, Reader, SyntaxFault
+from holodrive.control.fuzzy.files.fcl_tokens import Token
+from holodrive.control.fuzzy.files.rules import Condition, Is, Joined, Norms, Not, flat_rules
 from holodrive.control.fuzzy.system import Rule
 from holodrive.errors import InputError, did_you_mean
 

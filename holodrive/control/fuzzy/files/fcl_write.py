@@ -3,8 +3,8 @@
 import math
 import re
 
-from holodrive.control.fuzzy.fcl_terms import RESERVED, set_ends
-from holodrive.control.fuzzy.files_words import cannot, number, numbers, refuse_fuzzylab
+from holodrive.control.fuzzy.files.fcl_terms import RESERVED, set_ends
+from holodrive.control.fuzzy.files.words import cannot, number, numbers, refuse_fuzzylab
 from holodrive.control.fuzzy.sets import Set
 from holodrive.control.fuzzy.system import Rule, System, Variable
 

@@ -7,12 +7,12 @@ each output reachable) gives nothing.
 
 import math
 
-from holodrive.control.fuzzy.finding import CODES, Finding, Severity
-from holodrive.control.fuzzy.lint_inputs import check_inputs, check_range
-from holodrive.control.fuzzy.lint_mirror import Mirror, check_mirror, sides_of
-from holodrive.control.fuzzy.lint_outputs import check_outputs
-from holodrive.control.fuzzy.lint_rules import check_rules
-from holodrive.control.fuzzy.lint_steering import check_steering
+from holodrive.control.fuzzy.lint.finding import CODES, Finding, Severity
+from holodrive.control.fuzzy.lint.inputs import check_inputs, check_range
+from holodrive.control.fuzzy.lint.mirror import Mirror, check_mirror, sides_of
+from holodrive.control.fuzzy.lint.outputs import check_outputs
+from holodrive.control.fuzzy.lint.rules import check_rules
+from holodrive.control.fuzzy.lint.steering import check_steering
 from holodrive.control.fuzzy.system import System
 from holodrive.errors import InputError
 

@@ -1,7 +1,7 @@
 """Terms of FML: shapes of fuzzy terms, values of TSK terms."""
 
-from holodrive.control.fuzzy.files_draft import Draft, DraftVariable
-from holodrive.control.fuzzy.fml_tree import ELEMENTS, Element
+from holodrive.control.fuzzy.files.draft import Draft, DraftVariable
+from holodrive.control.fuzzy.files.fml_tree import ELEMENTS, Element
 from holodrive.control.fuzzy.sets import SetKind
 
 _PLAIN: dict[str, SetKind] = {

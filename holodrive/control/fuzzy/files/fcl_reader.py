@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from holodrive.control.fuzzy.fcl_tokens import Token
-from holodrive.control.fuzzy.files_draft import Draft
-from holodrive.control.fuzzy.files_rules import Condition
+from holodrive.control.fuzzy.files.draft import Draft
+from holodrive.control.fuzzy.files.fcl_tokens import Token
+from holodrive.control.fuzzy.files.rules import Condition
 
 BLOCKS = ("VAR_INPUT", "VAR_OUTPUT", "FUZZIFY", "DEFUZZIFY", "RULEBLOCK")
 KEYWORDS = {
