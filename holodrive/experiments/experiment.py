@@ -29,7 +29,7 @@ class Setting:
     """
 
     worlds: int = 300
-    seeds: int = 10
+    seeds: int = 3
     first_seed: int = 100_000
     workers: int | None = None
     cluster: str | None = None

@@ -38,7 +38,7 @@ _ROMAN = {
 @click.option("--part", "parts", multiple=True, metavar="KEY", help="Only this part; without PAPER's parts see --list.")
 @click.option("--list", "only_list", is_flag=True, help="List the parts and compute nothing.")
 @click.option("--worlds", type=click.IntRange(1), default=300, show_default=True, help="Random worlds of a benchmark.")
-@click.option("--seeds", type=click.IntRange(1), default=10, show_default=True, help="Noise seeds of a repeated run.")
+@click.option("--seeds", type=click.IntRange(1), default=3, show_default=True, help="Noise seeds of a repeated run.")
 @click.option("--cluster", metavar="ADDRESS", help="Dask scheduler that does the roll-outs.")
 @out_option("Report to write (.html); out/reproduce/PAPER.html when everything is made.")
 def command(out: Output, paper: str | None, **options: Any) -> None:
