@@ -10,10 +10,11 @@ import math
 from holodrive import layout
 from holodrive.control import foresight as fs
 from holodrive.control.barrier import hold_back_ahead, nearest_allowed, point_limits
-from holodrive.control.corridor import free_length, freedom
+from holodrive.control.corridor import free_length, freedom, via_point
 from holodrive.control.fuzzy.kernel import evaluate_into
 from holodrive.kinematics.kernel import wrap
 from holodrive.leaf import leaf
+from holodrive.perception import changes
 from holodrive.perception import tracking as tr
 from holodrive.perception.scan_points import ROW, place_scan, remember
 from holodrive.perception.sector_ranges import sector_minima
@@ -22,10 +23,10 @@ from holodrive.perception.sector_ranges import sector_minima
 (HOLONOMIC, NO_RULE, BARRIER, SEEK, V_TOP, W_TOP, CRUISE, OFFSET, FAR, K_HEADING, MAX_TURN, SLOW, HALF_WIDTH, LOOK,
  BLOCKED, FREE, FOOTPRINT, MARGIN, GAIN, FASTEST, NEAR, HORIZON, EVADE_MARGIN, EVADE_SPEED, MOVERS_IN_RULES, STALE,
  HOLD_SCANS, ARRIVE_M, ARRIVE_RAD, MEDIAN, HISTORY, BEAMS, UNIT_IN, UNIT_OUT, CLAMP, DEFAULT_L, DEFAULT_R,
- LOOK_S) = range(38)  # fmt: skip
-SENSOR = 38  # 6: pose in base_link (x, y, cos, sin), range_min, range_max
-EDGES = 44  # 12: of the sectors
-SPEC = 56  # the packed fuzzy system
+ LOOK_S, PATIENCE, INERTIA) = range(40)  # fmt: skip
+SENSOR = 40  # 6: pose in base_link (x, y, cos, sin), range_min, range_max
+EDGES = 46  # 12: of the sectors
+SPEC = 58  # the packed fuzzy system
 HOLD, STOP, DEFAULT, RAISE = range(4)  # policies when no rule fires
 
 # --- memory --------------------------------------------------------------------------------------------------------
@@ -34,18 +35,27 @@ INPUTS = 12  # 3: DH, DL, DR in the system's units
 OUTPUTS = 15  # 2: L, R in the system's units
 WANT = 17  # 3: the goal behaviour's twist
 CHOSEN = 20  # 2: velocity chosen among movers
-TRACKS = 22
-MOVERS = TRACKS + tr.TRACKS * tr.ROW
-VARIABLE = MOVERS + tr.TRACKS * fs.MOVER  # from here on by the number of beams: poses, points, near points, scratch
+REF = 22  # 2: the goal [m]
+NEAREST, SINCE = 24, 25  # how near it came [m], and when [s]
+VIA, VIA_UNTIL = 26, 28  # 2: via point [m], until when it is tried [s]
+WEIGHED = 29  # 1.0 when the way was judged before
+TRACKS = 30
+CRESCENTS = TRACKS + tr.TRACKS * tr.ROW  # tracks of leading edges
+MOVERS = CRESCENTS + tr.TRACKS * tr.ROW
+VARIABLE = (
+    MOVERS + 2 * tr.TRACKS * fs.MOVER
+)  # from here on by the number of beams: poses, points, near points, earlier scans, scratch
 
 SCAN_IS_OLD, NO_RULE_FIRED = 1, 2  # faults
+PROGRESS_M = 0.10  # nearer to the goal by this is progress
+VIA_REACHED_M = 0.10
 SURPRISE_M = 0.02  # what comes nearer by this much between scans, and not by the robot's motion, moves
 SURPRISE_NEAR_M = 0.04  # outside the barrier's margin, where that matters
 
 
 def memory_size(beams: int, poses: int, work: int) -> int:
     """Numbers that the kernel keeps, for a scan of `beams`, `poses` in a scan time, `work` for the fuzzy system."""
-    return VARIABLE + ROW * poses + 7 * beams + max(work, 3 * beams)
+    return VARIABLE + ROW * poses + 7 * beams + changes.memory_size(beams) + max(work, 3 * beams)
 
 
 @leaf
@@ -53,12 +63,43 @@ def fuzzy_avoidance_kernel(obs, memory, params, command):  # type: ignore[no-unt
     """To the reference, round what the lidar sees."""
     want = memory[WANT : WANT + 3]
     dx, dy = obs[layout.REF_POSE] - obs[layout.POSE], obs[layout.REF_POSE + 1] - obs[layout.POSE + 1]
-    distance, turn = math.hypot(dx, dy), wrap(obs[layout.REF_POSE + 2] - obs[layout.POSE + 2])
+    to_go, turn = math.hypot(dx, dy), wrap(obs[layout.REF_POSE + 2] - obs[layout.POSE + 2])
+    if detour(obs, memory, params, to_go):
+        dx, dy = memory[VIA] - obs[layout.POSE], memory[VIA + 1] - obs[layout.POSE + 1]
+    distance = math.hypot(dx, dy)
     seek(obs, params, distance, math.atan2(dy, dx), turn, want)
     ux, uy = (dx / distance, dy / distance) if distance > 0.0 else (1.0, 0.0)
     avoid(obs, memory, params, want, ux, uy, min(distance - params[ARRIVE_M], params[LOOK]), command)
-    there = distance <= params[ARRIVE_M] and abs(turn) <= params[ARRIVE_RAD]
+    there = to_go <= params[ARRIVE_M] and abs(turn) <= params[ARRIVE_RAD]
     command[layout.ARRIVED] = 1.0 if there and obs[layout.REF_LAST] != 0.0 else 0.0
+
+
+@leaf
+def detour(obs, memory, params, to_go):  # type: ignore[no-untyped-def]
+    """Whether to go by a via point: one is chosen when the goal has come no nearer for some time."""
+    now, x, y = obs[layout.TIME], obs[layout.POSE], obs[layout.POSE + 1]
+    moved = abs(memory[REF] - obs[layout.REF_POSE]) + abs(memory[REF + 1] - obs[layout.REF_POSE + 1]) > 0.01
+    nearer = to_go < memory[NEAREST] - PROGRESS_M
+    if moved or nearer or memory[SCANS] == 0.0:
+        memory[REF], memory[REF + 1] = obs[layout.REF_POSE], obs[layout.REF_POSE + 1]
+        memory[NEAREST], memory[SINCE] = to_go, now
+    if moved:
+        memory[VIA_UNTIL] = 0.0
+    if now < memory[VIA_UNTIL]:
+        if math.hypot(memory[VIA] - x, memory[VIA + 1] - y) > VIA_REACHED_M:
+            return True
+        memory[VIA_UNTIL], memory[NEAREST], memory[SINCE] = 0.0, to_go, now
+    if params[SEEK] == 0.0 or now - memory[SINCE] <= params[PATIENCE] or to_go <= params[ARRIVE_M]:
+        return False
+    at, beams = VARIABLE + ROW * int(params[HISTORY]), int(params[BEAMS])
+    xs, ys = memory[at : at + beams], memory[at + beams : at + 2 * beams]
+    via = memory[VIA : VIA + 2]
+    length = via_point(
+        xs, ys, int(memory[POINTS]), x, y, obs[layout.REF_POSE], obs[layout.REF_POSE + 1], params[HALF_WIDTH], via
+    )
+    memory[NEAREST], memory[SINCE] = to_go, now
+    memory[VIA_UNTIL] = now + 2.0 * length / params[CRUISE]
+    return length > 0.0
 
 
 @leaf
@@ -101,13 +142,14 @@ def avoid(obs, memory, params, want, ux, uy, look, command):  # type: ignore[no-
     c, s = math.cos(theta), math.sin(theta)
     beams = int(params[BEAMS])
     at = VARIABLE + ROW * int(params[HISTORY])
-    poses, scratch = memory[VARIABLE:at], memory[at + 7 * beams :]
+    poses, scratch = memory[VARIABLE:at], memory[at + 7 * beams + changes.SCANS * (changes.HEAD + beams) :]
     xs, ys, ts = memory[at : at + beams], memory[at + beams : at + 2 * beams], memory[at + 2 * beams : at + 3 * beams]
     near = memory[at + 3 * beams : at + 7 * beams]
+    tables = memory[at + 7 * beams : at + 7 * beams + changes.SCANS * (changes.HEAD + beams)]
     remember(poses, int(memory[POSES]), obs[layout.TIME], x, y, theta)
     memory[POSES] += 1.0
     if obs[layout.SCAN_IS_NEW] != 0.0:
-        take_scan(obs, memory, params, poses, xs, ys, ts, near)
+        take_scan(obs, memory, params, poses, xs, ys, ts, near, tables)
         react(memory, params, xs, ys, x, y, c, s, scratch)
     if not ready(obs, memory, params, command):
         return
@@ -115,7 +157,11 @@ def avoid(obs, memory, params, want, ux, uy, look, command):  # type: ignore[no-
     weight = 0.0
     if params[SEEK] != 0.0:
         length = free_length(xs, ys, points, x, y, ux, uy, params[HALF_WIDTH])
-        weight = freedom(length, look, params[BLOCKED], params[FREE])
+        free = freedom(length, look, params[BLOCKED], params[FREE])
+        # with some inertia: noise at the edge of the corridor shall not make the robot waver
+        share = min(1.0, obs[layout.DT] / params[INERTIA]) if memory[WEIGHED] != 0.0 else 1.0
+        weight = memory[WEIGHT] + (free - memory[WEIGHT]) * share
+        memory[WEIGHED] = 1.0
     memory[WEIGHT] = weight
     v_a = 0.5 * params[V_TOP] * (memory[R] + memory[L])
     w_a = 0.5 * params[W_TOP] * (memory[R] - memory[L])
@@ -132,7 +178,7 @@ def give_way(obs, memory, params, xs, ys, points, x, y, c, s, command):  # type:
     tracks, movers = memory[TRACKS:MOVERS], memory[MOVERS:VARIABLE]
     chosen = memory[CHOSEN : CHOSEN + 2]
     count = 0
-    for at in range(0, tr.TRACKS * tr.ROW, tr.ROW):
+    for at in range(0, tracks.shape[0], tr.ROW):
         if tr.is_moving(tracks, at):
             k, late = fs.MOVER * count, obs[layout.TIME] - tracks[at + tr.TIME]
             vx, vy = tracks[at + tr.VX], tracks[at + tr.VY]
@@ -144,12 +190,16 @@ def give_way(obs, memory, params, xs, ys, points, x, y, c, s, command):  # type:
         chosen[0] = chosen[1] = 0.0
         return
     vx, vy = c * command[0] - s * command[1], s * command[0] + c * command[1]
+    holonomic = params[HOLONOMIC] != 0.0
+    angle, ways = (math.atan2(vy, vx), fs.WAYS) if holonomic else (obs[layout.POSE + 2], 2)  # else ahead and back
     fs.evade(
         vx, vy, x, y, xs, ys, points, movers, count, params[FOOTPRINT], params[EVADE_MARGIN], params[MARGIN],
-        params[HORIZON], params[EVADE_SPEED], chosen,
+        params[HORIZON], params[EVADE_SPEED], angle, ways, chosen,
     )  # fmt: skip
     if chosen[0] != vx or chosen[1] != vy:
         command[0], command[1] = c * chosen[0] + s * chosen[1], c * chosen[1] - s * chosen[0]
+        if chosen[0] == 0.0 and chosen[1] == 0.0:
+            command[2] = 0.0
 
 
 @leaf
@@ -173,7 +223,7 @@ def hold_back(obs, memory, params, near, x, y, c, s, limits, command):  # type: 
 
 
 @leaf
-def take_scan(obs, memory, params, poses, xs, ys, ts, near):  # type: ignore[no-untyped-def]
+def take_scan(obs, memory, params, poses, xs, ys, ts, near, tables):  # type: ignore[no-untyped-def]
     """Place a new scan's points in the odometry frame and find what moves.
 
     Args:
@@ -188,7 +238,10 @@ def take_scan(obs, memory, params, poses, xs, ys, ts, near):  # type: ignore[no-
     )  # fmt: skip
     x, y, theta = obs[layout.POSE], obs[layout.POSE + 1], obs[layout.POSE + 2]
     c, s = math.cos(theta), math.sin(theta)
-    tr.follow(xs, ys, ts, count, x + c * sensor[0] - s * sensor[1], y + s * sensor[0] + c * sensor[1], stamp, tracks)
+    sx, sy = x + c * sensor[0] - s * sensor[1], y + s * sensor[0] + c * sensor[1]
+    tr.follow(xs, ys, ts, count, sx, sy, memory[TRACKS:CRESCENTS])
+    changes.find(xs, ys, ts, count, sx, sy, int(memory[SCANS]), most, tables, memory[CRESCENTS:MOVERS])
+    tr.forget(stamp, tracks)
     memory[SURPRISED] = 1.0 if came_by_itself(memory, params, near, xs, ys, count, x, y) else 0.0
     moving, square = tr.any_moving(tracks), params[NEAR] ** 2
     kept = nears = 0

@@ -9,12 +9,12 @@ import math
 
 from holodrive.leaf import leaf
 
-WAYS = 16  # directions
+WAYS = 16  # directions of a robot that can go anywhere
 LASTING = 3  # how long to go on: a quarter of the horizon, a half, all of it
 STEP_S = 0.2  # between two looks at the future
 MOVER = 6  # a row: x, y, vx, vy, radius, time until it may turn back [s]
 TOUCH_M = 0.02  # nearer than this is a touch
-STOP_S = 0.5  # a touch that is nearer than this is met standing
+STOP_S = 0.8  # a touch that is nearer than this is met standing
 SHORTEST_S = 0.3  # what stops sooner is no motion
 _KEEP = 0.15  # what changing one's mind must win, in shares of cruising speed
 _WAIT = 0.1  # what standing costs less than going somewhere else
@@ -66,7 +66,7 @@ def free_way(xs, ys, count, x, y, ux, uy, radius):  # type: ignore[no-untyped-de
 
 @leaf
 def evade(  # type: ignore[no-untyped-def]
-    vx, vy, x, y, xs, ys, points, movers, count, radius, margin, gap, horizon, speed, chosen
+    vx, vy, x, y, xs, ys, points, movers, count, radius, margin, gap, horizon, speed, angle, ways, chosen
 ):
     """Choose the velocity (2) [m/s] that keeps clear of what moves.
 
@@ -78,6 +78,7 @@ def evade(  # type: ignore[no-untyped-def]
         radius: of the robot; margin: to what moves; gap: to what stands [m].
         horizon: [s].
         speed: of evasive motions [m/s].
+        angle, ways: first of their directions [rad], and how many spread over a turn.
         chosen: (2,) velocity that was chosen before [m/s]; the new one is written.
     """
     wanted = max(math.hypot(vx, vy), 1e-9)
@@ -87,10 +88,10 @@ def evade(  # type: ignore[no-untyped-def]
         chosen[0], chosen[1] = vx, vy
         return
     best, best_until, last_x, last_y = math.inf, 0.0, chosen[0], chosen[1]
-    for way in range(-1, WAYS):
+    for way in range(-1, ways):
         ux = uy = length = 0.0  # way -1 is to stand
         if way >= 0:
-            ux, uy = math.cos(2.0 * math.pi * way / WAYS), math.sin(2.0 * math.pi * way / WAYS)
+            ux, uy = math.cos(angle + 2.0 * math.pi * way / ways), math.sin(angle + 2.0 * math.pi * way / ways)
             length = free_way(xs, ys, points, x, y, ux, uy, radius + gap)
         for part in range(LASTING if way >= 0 else 1):
             go_s = min(length / speed, horizon * 2.0**part / 4.0)

@@ -23,7 +23,7 @@ from holodrive.types import Array
 Motor = Literal["own", "22rpm", "deg_s", "mm_s", "table_x"]
 # rad/s at output +-300: the paper's motor; outputs as degrees a second; what Table X's mean of 0.211 m/s takes
 OMEGA_RAD_S = {"22rpm": 22.0 * math.pi / 30.0, "deg_s": math.radians(300.0), "table_x": 7.82}
-EVADE_SPEED = 1.2  # of evasive motions, in shares of cruising speed
+EVADE_SPEED = 1.35  # of evasive motions, in shares of cruising speed
 FULL_MM_S = 300.0  # outputs as mm/s of a differential drive's wheels
 
 # what a number is when neither the user nor the profile says it
@@ -40,8 +40,10 @@ DEFAULTS = {
     "slow_m": 0.3,
     "barrier_gain": 2.0,
     "barrier_margin_m": 0.045,
-    "horizon_s": 5.0,
-    "evade_margin_m": 0.08,
+    "horizon_s": 4.0,
+    "evade_margin_m": 0.10,
+    "patience_s": 6.0,
+    "inertia_s": 0.2,
 }
 # what a profile brings beside its sets and rules
 BY_PROFILE: dict[str, dict[str, float]] = {}
@@ -57,12 +59,13 @@ BOUNDS = {
     "side_deg": (45.0, 120.0),
     "corridor_margin_m": (0.0, 0.15),
     "look_m": (0.5, 2.0),
-    "blocked_m": (0.25, 0.60),
-    "free_m": (0.45, 1.50),
+    "blocked_m": (0.20, 0.45),
+    "free_m": (0.50, 1.50),
     "k_heading": (0.5, 4.0),
     "max_turn_rad_s": (0.5, 2.0),
     "barrier_gain": (1.0, 5.0),
     "barrier_margin_m": (0.01, 0.06),
+    "inertia_s": (0.0, 0.5),
 }
 
 
@@ -95,9 +98,10 @@ class FuzzyAvoidance:
     """Sectors of the scan to a fuzzy reaction; the goal while the way to it is free; a barrier round everything.
 
     With g the degree to which a corridor to the goal is free, the command is g times "straight to the goal" and 1 - g
-    times the rules' answer, and then no faster towards any point of the scan than a barrier allows. Tuama and Hadi
-    give the rules and leave out goal, corridor, barrier and the policy where no rule fires; those are ours.
-    Without a scan for `stale_scans` scan times it stops (fault 1); before the first scan it stands.
+    times the rules' answer. A motion that would meet something that moves is exchanged for one that does not, and
+    none is faster towards any point of the scan than a barrier allows. A goal that comes no nearer is approached by
+    a via point. Tuama and Hadi give the rules and leave out goal, corridor, barriers and the policy where no rule
+    fires; those are ours. Without a scan for `stale_scans` scan times it stops (fault 1); before the first it stands.
 
     Attributes:
         profile: a fuzzy system: a name of `fuzzy.names()` or a file. Three inputs DH, DL, DR, two outputs L, R.
@@ -107,15 +111,19 @@ class FuzzyAvoidance:
         no_rule: where no rule fires: hold the last answer for `hold_scans` scans, then stop; stop; the outputs'
             defaults; or end the run (fault 2).
         range_from: distances are from the robot's centre ("sensor"), less its radius ("hull"), or less `offset_m`.
-        barrier, seek_goal, median, clamp, fuzzylab_compat: whether to keep off points, to heed the goal at all, to
-            remove single outliers, to bring distances into the universe, to behave as the paper's library.
+        barrier, seek_goal, median, clamp, fuzzylab_compat: whether to keep off points and movers, to heed the goal at
+            all, to remove single outliers, to bring distances into the universe, to behave as the paper's library.
+        movers_in_rules: whether what moves is seen by the rules and the corridor too.
         n_top, n_foot, m_top, f_foot, f_top: break points of all inputs' sets, see `fuzzy.profiles.with_breaks`, in
             the system's units (mm); 0 keeps the profile's own.
         offset_m: for `range_from="offset"`. head_deg, side_deg: where the sectors ahead and at the sides end.
         corridor_margin_m: beside the footprint. look_m: how far the corridor reaches.
         blocked_m, free_m: distance of the first point in the corridor that makes g 0, and 1.
         k_heading: [1/s] of the turn to the goal, up to max_turn_rad_s. slow_m: where it begins to slow down.
+        inertia_s: time constant of g, so that noise at the corridor's edge does not make the robot waver.
+        patience_s: after which a goal that comes no nearer is approached by a via point.
         barrier_gain: [1/s]; barrier_margin_m: outside the footprint.
+        horizon_s: how far ahead motions among movers are played out; evade_margin_m: what they keep from movers.
         cruise_m_s: on a free way; what the rules answer where everything is far when None.
         hold_scans, stale_scans: in scans. look_s: seconds of the corridor where another's wish is `guided`.
         arrive_m, arrive_rad: how near is there; pi asks for no heading.
@@ -152,6 +160,8 @@ class FuzzyAvoidance:
     barrier_margin_m: float | None = None
     horizon_s: float | None = None
     evade_margin_m: float | None = None
+    patience_s: float | None = None
+    inertia_s: float | None = None
     movers_in_rules: bool = True
     cruise_m_s: float | None = None
     hold_scans: float = 3.0
@@ -171,9 +181,20 @@ class FuzzyAvoidance:
     def __post_init__(self) -> None:
         checked(
             self,
-            positive=("look_m", "slow_m", "barrier_gain", "cruise_m_s", "stale_scans", "look_s", "arrive_m"),
-            not_negative=("n_top", "corridor_margin_m", "barrier_margin_m", "offset_m", "hold_scans", "max_turn_rad_s"),
+            positive=(
+                *("look_m", "slow_m", "free_m", "barrier_gain", "cruise_m_s", "stale_scans", "look_s", "horizon_s"),
+                *("patience_s", "arrive_m", "arrive_rad", "head_deg", "side_deg"),
+            ),
+            not_negative=(
+                *("n_top", "n_foot", "m_top", "f_foot", "f_top", "offset_m", "corridor_margin_m", "barrier_margin_m"),
+                *("evade_margin_m", "inertia_s", "blocked_m", "k_heading", "max_turn_rad_s", "hold_scans"),
+            ),
         )
+        if self.number("free_m") <= self.number("blocked_m"):
+            raise InputError(
+                f"FuzzyAvoidance.free_m is {self.number('free_m'):g}; it must be above blocked_m, "
+                f"{self.number('blocked_m'):g}"
+            )
 
     def number(self, name: str) -> float:
         """One of the numbers, whoever says it."""
@@ -252,6 +273,8 @@ class FuzzyAvoidance:
             p.DEFAULT_L: _default(system, 0) / full,
             p.DEFAULT_R: _default(system, 1) / full,
             p.LOOK_S: self.look_s,
+            p.PATIENCE: self.number("patience_s"),
+            p.INERTIA: max(self.number("inertia_s"), 1e-9),
             p.FASTEST: fastest,
             p.HORIZON: self.number("horizon_s"),
             p.EVADE_MARGIN: self.number("evade_margin_m"),

@@ -112,6 +112,7 @@ class FuzzyMpc:
     arrive_rad: float = math.radians(2.0)
 
     command_kind: ClassVar[CommandKind] = "twist"
+    needs_lidar: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         weights = ("r_xy", "r_theta", "s_xy", "s_theta", "planes", "margin_m")

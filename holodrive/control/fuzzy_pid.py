@@ -89,6 +89,7 @@ class FuzzyPid:
     arrive_rad: float = math.radians(2.0)
 
     command_kind: ClassVar[CommandKind] = "wheels"
+    needs_lidar: ClassVar[bool] = True
     kernel: ClassVar[Any] = staticmethod(fuzzy_pid_kernel)
 
     def __post_init__(self) -> None:

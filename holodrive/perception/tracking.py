@@ -14,14 +14,17 @@ TRACKS = 12  # at most
 # it comes to something that stands and may turn back [s]
 SEEN, X, Y, VX, VY, RADIUS, TIME, MOVES, BACK, ROW = range(10)
 MEMORY = 7  # scans
-SURPRISE_M = 0.06  # farther from it than noise explains
+SURPRISE_M, SURPRISE = 0.03, 0.03  # m, share of range: farther from its place than noise explains
 GATE_M = 0.20  # farther from its predicted place it is something else
 WIDEST_M = 0.40  # radius above which something is a wall
 FARTHEST_M = 2.5  # from the sensor; noise and the beams' distance grow with range
 FEWEST = 4  # points
-STANDING_M_S = 0.05  # an estimate below this stands; of young tracks, more
-YOUNG_M_S = 0.40  # over the square of the scans seen
-LOST_S = 1.0  # unseen for longer, a track ends
+STANDING_M_S = 0.05  # an estimate below this stands; of young tracks, one below more
+YOUNG, YOUNG_EDGE = 0.9, 0.4  # [1/s] times range, over the square of the scans seen; of discs, of leading edges
+LOST_S = 0.5  # unseen for longer, a track ends
+BELIEVED = 3.0  # scans after which a motion counts
+SURE, SURELY = 6.0, 2.0  # scans after which a motion is sure, and how `MOVES` says so
+SAME_M, SAME = 0.025, 0.15  # m, share of radius: a disc of another size is another thing
 LOST_MOVING_S = 3.0  # a mover may be hidden by something, or beside it
 AGAIN_S = 0.05  # what comes sooner is another piece of the same scan
 ITS_OWN_M = 0.08  # points this far outside a mover's disc still are its own
@@ -29,13 +32,12 @@ _PARTED_M, _PARTED = 0.06, 0.067  # m, share of range (1 deg from beam to beam o
 
 
 @leaf
-def follow(xs, ys, ts, count, sx, sy, stamp, tracks):  # type: ignore[no-untyped-def]
+def follow(xs, ys, ts, count, sx, sy, tracks):  # type: ignore[no-untyped-def]
     """Bring tracks (TRACKS * ROW,) up to a new scan.
 
     Args:
         xs, ys, ts, count: points in the order of the beams and their times [m, s], odometry frame.
         sx, sy: where the sensor is [m].
-        stamp: time of the scan [s].
         tracks: see `SEEN` to `BACK`; zeros at the beginning.
     """
     first = -1
@@ -51,8 +53,13 @@ def follow(xs, ys, ts, count, sx, sy, stamp, tracks):  # type: ignore[no-untyped
                 size = (last - begin) % count + 1
                 offer(xs, ys, ts, count, begin, size, sx, sy, tracks)
                 begin = i
-    for at in range(0, TRACKS * ROW, ROW):
-        lasting = LOST_MOVING_S if tracks[at + MOVES] != 0.0 else LOST_S
+
+
+@leaf
+def forget(stamp, tracks):  # type: ignore[no-untyped-def]
+    """End the tracks of what was not seen for long."""
+    for at in range(0, tracks.shape[0], ROW):
+        lasting = LOST_MOVING_S if tracks[at + MOVES] == SURELY else LOST_S
         if stamp - tracks[at + TIME] > lasting:
             tracks[at + SEEN] = tracks[at + MOVES] = 0.0
 
@@ -83,7 +90,7 @@ def offer(xs, ys, ts, count, begin, size, sx, sy, tracks):  # type: ignore[no-un
     distance, radius = m + half * half / m, half * math.hypot(m, half) / m
     if radius <= WIDEST_M:
         share = distance / m
-        assign(sx + share * mx, sy + share * my, radius, 0.5 * (ts[begin] + ts[end]), tracks)
+        assign(sx + share * mx, sy + share * my, radius, 0.5 * (ts[begin] + ts[end]), m, BELIEVED, tracks)
 
 
 @leaf
@@ -93,19 +100,20 @@ def beyond(xs, ys, i, sx, sy):  # type: ignore[no-untyped-def]
 
 
 @leaf
-def assign(x, y, radius, time, tracks):  # type: ignore[no-untyped-def]
+def assign(x, y, radius, time, away, enough, tracks):  # type: ignore[no-untyped-def]
     """Give a disc to the track that expects it there, or begin a track."""
     best, chosen, free = GATE_M * GATE_M, -1, -1
-    for at in range(0, TRACKS * ROW, ROW):
+    for at in range(0, tracks.shape[0], ROW):
         if tracks[at + SEEN] == 0.0:
             free = at
         else:
             dt = time - tracks[at + TIME]
             ex, ey = x - tracks[at + X] - dt * tracks[at + VX], y - tracks[at + Y] - dt * tracks[at + VY]
-            if dt > AGAIN_S and ex * ex + ey * ey < best:
+            alike = abs(radius - tracks[at + RADIUS]) < SAME_M + SAME * tracks[at + RADIUS]
+            if alike and dt > AGAIN_S and ex * ex + ey * ey < best:
                 best, chosen = ex * ex + ey * ey, at
     if chosen >= 0:
-        improve(x, y, radius, time, tracks[chosen : chosen + ROW])
+        improve(x, y, radius, time, away, enough, tracks[chosen : chosen + ROW])
     elif free >= 0:
         tracks[free + SEEN], tracks[free + X], tracks[free + Y] = 1.0, x, y
         tracks[free + VX], tracks[free + VY], tracks[free + RADIUS] = 0.0, 0.0, radius
@@ -113,11 +121,11 @@ def assign(x, y, radius, time, tracks):  # type: ignore[no-untyped-def]
 
 
 @leaf
-def improve(x, y, radius, time, track):  # type: ignore[no-untyped-def]
+def improve(x, y, radius, time, away, enough, track):  # type: ignore[no-untyped-def]
     """One step of the expanding-memory filter (alpha-beta gains of a least-squares line through n places)."""
     dt = time - track[TIME]
     ex, ey = x - track[X] - dt * track[VX], y - track[Y] - dt * track[VY]
-    if track[SEEN] > 2.0 and ex * ex + ey * ey > SURPRISE_M * SURPRISE_M:
+    if track[SEEN] > 2.0 and math.hypot(ex, ey) > SURPRISE_M + SURPRISE * away:
         track[SEEN] = 1.0  # it has turned: what was before does not count any more
     n = min(track[SEEN] + 1.0, float(MEMORY))
     alpha, beta = 2.0 * (2.0 * n - 1.0) / (n * (n + 1.0)), 6.0 / (n * (n + 1.0))
@@ -128,10 +136,14 @@ def improve(x, y, radius, time, track):  # type: ignore[no-untyped-def]
     track[RADIUS] += alpha * (radius - track[RADIUS])
     track[TIME] = time
     track[SEEN] += 1.0
-    # what moved and has turned is believed at once, what is new after three scans
-    known = n >= 3.0 or track[MOVES] != 0.0
-    slowest = STANDING_M_S + (YOUNG_M_S / (n * n) if n >= 3.0 else 0.0)
-    track[MOVES] = 1.0 if known and math.hypot(track[VX], track[VY]) > slowest else 0.0
+    # what surely moved and has turned is believed at once, what is new after some scans
+    surely = track[MOVES] == SURELY
+    known = n >= enough or surely
+    young = (YOUNG if enough >= BELIEVED else YOUNG_EDGE) * away / (n * n)
+    slowest = STANDING_M_S + (young if n >= enough else 0.0)
+    track[MOVES] = 0.0
+    if known and math.hypot(track[VX], track[VY]) > slowest:
+        track[MOVES] = SURELY if surely or n >= SURE else 1.0
 
 
 @leaf
@@ -144,7 +156,7 @@ def is_moving(tracks, at):  # type: ignore[no-untyped-def]
 def any_moving(tracks):  # type: ignore[no-untyped-def]
     """Whether anything moves."""
     count = 0
-    for at in range(0, TRACKS * ROW, ROW):
+    for at in range(0, tracks.shape[0], ROW):
         count += 1 if is_moving(tracks, at) else 0
     return count > 0
 
@@ -152,7 +164,7 @@ def any_moving(tracks):  # type: ignore[no-untyped-def]
 @leaf
 def mover_of(x, y, time, tracks):  # type: ignore[no-untyped-def]
     """Place in `tracks` of the moving track that a point seen at `time` belongs to; -1 for none."""
-    for at in range(0, TRACKS * ROW, ROW):
+    for at in range(0, tracks.shape[0], ROW):
         if is_moving(tracks, at):
             dt = time - tracks[at + TIME]
             ex, ey = x - tracks[at + X] - dt * tracks[at + VX], y - tracks[at + Y] - dt * tracks[at + VY]
@@ -164,7 +176,7 @@ def mover_of(x, y, time, tracks):  # type: ignore[no-untyped-def]
 @leaf
 def expect_back(xs, ys, count, tracks):  # type: ignore[no-untyped-def]
     """Write when each moving track comes to points that stand: there it may turn back."""
-    for at in range(0, TRACKS * ROW, ROW):
+    for at in range(0, tracks.shape[0], ROW):
         if is_moving(tracks, at):
             speed, reach = math.hypot(tracks[at + VX], tracks[at + VY]), 0.5 * tracks[at + RADIUS]
             ux, uy = tracks[at + VX] / speed, tracks[at + VY] / speed

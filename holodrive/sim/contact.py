@@ -29,12 +29,14 @@ def free_distance(model, obstacles, state, time):  # type: ignore[no-untyped-def
 def keep_outside(model, obstacles, state, events, time):  # type: ignore[no-untyped-def]
     """Put the robot out of what it has entered, tell contacts that began, renew the free distance."""
     gap = math.inf
+    # its own speed: what a mover's push adds below is not the robot's doing
+    speed = math.hypot(state[st.TWIST], state[st.TWIST + 1])
     for _ in range(_ROUNDS):  # in a corner one push may lead into the other wall
         gap, nx, ny, vx, vy, number = nearest(obstacles, time, state[st.POSE], state[st.POSE + 1])
         gap -= model[md.FOOTPRINT]
         if gap >= 0.0:
             break
-        tell(model, state, events, time, nx, ny, vx, vy, number)
+        tell(model, state, events, time, nx, ny, vx, vy, number, speed)
         push = MARGIN - gap
         state[st.POSE] += push * nx
         state[st.POSE + 1] += push * ny
@@ -59,7 +61,7 @@ def block(state, nx, ny, vx, vy):  # type: ignore[no-untyped-def]
 
 
 @leaf
-def tell(model, state, events, time, nx, ny, vx, vy, number):  # type: ignore[no-untyped-def]
+def tell(model, state, events, time, nx, ny, vx, vy, number, speed):  # type: ignore[no-untyped-def]
     """Count a touch; write an event when it is the first one of a contact."""
     oldest = st.CONTACTS
     for k in range(_SLOTS):
@@ -74,7 +76,6 @@ def tell(model, state, events, time, nx, ny, vx, vy, number):  # type: ignore[no
         if state[slot + 1] < state[oldest + 1] or state[slot] == 0.0:
             oldest = slot
     state[oldest], state[oldest + 1] = number + 1.0, time
-    speed = math.hypot(state[st.TWIST], state[st.TWIST + 1])
     state[st.COLLISIONS] += 1.0
     if speed > STANDING:
         state[st.MOVED_COLLISIONS] += 1.0
