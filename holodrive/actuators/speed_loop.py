@@ -20,11 +20,13 @@ def speed_loop_step(command, measured, integral, unit, kp, ki, period):  # type:
         period: since the last tick [s].
 
     Returns:
-        duty in [-1, 1] and the new integral. The integral does not grow into saturation (anti-windup), and a wheel
-        that is told to stand and stands lets it go, so that a resting robot draws nothing.
+        duty in [-1, 1] and the new integral. The integral does not grow into saturation (anti-windup). A wheel that is
+        told to stand is braked by its error alone, for an integral left from braking would make it creep on for most
+        of a second; and once it stands it draws nothing.
     """
-    if command == 0.0 and abs(measured) * unit < 1e-3:
-        return 0.0, 0.0
+    if command == 0.0:
+        brake = -kp * measured * unit if abs(measured) * unit >= 1e-3 else 0.0
+        return min(1.0, max(-1.0, brake)), 0.0
     error = command - measured
     grown = integral + ki * error * period
     wanted = (command + kp * error + grown) * unit

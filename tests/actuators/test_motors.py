@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import holodrive as hd
 from holodrive.actuators.dc_motor import bus_voltage, conductance, dry_friction
 from holodrive.actuators.lag import lag_factors
 from holodrive.actuators.speed_loop import speed_loop_step
@@ -80,3 +81,14 @@ def test_dry_friction_brakes_with_at_most_its_torque(speed):
     torque = dry_friction(0.05, speed) * speed
     assert abs(torque) <= 0.05
     assert torque * speed >= 0.0
+
+
+def test_a_wheel_that_is_told_to_stand_stands_within_a_third_of_a_second():
+    """No integral left from braking makes it creep on: a robot that meets something shall be standing."""
+    base = hd.simulate("hybrid3_table_x", seed=1)
+    ahead, stand = (hd.Chassis.of(base.robot).inverse(twist) for twist in ((0.2, 0.0, 0.0), (0.0, 0.0, 0.0)))
+    for command, ticks in ((ahead, 150), (stand, 33)):
+        for _ in range(ticks):
+            base.observe()
+            base.apply(command)
+    assert math.hypot(*base.true_twist[:2]) < 0.005
