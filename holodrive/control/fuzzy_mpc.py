@@ -49,7 +49,8 @@ def room_about(memory, params, places, pose, radius, out):  # type: ignore[no-un
     """Half-planes (N, k, 3) about places (N, 3) from the points that the fuzzy avoidance keeps; see `half_planes`."""
     beams = int(params[avoidance.BEAMS])
     at = avoidance.VARIABLE + ROW * int(params[avoidance.HISTORY])
-    xs, ys, scratch = memory[at : at + beams], memory[at + beams : at + 2 * beams], memory[at + 7 * beams :]
+    xs, ys = memory[at : at + beams], memory[at + beams : at + 2 * beams]
+    scratch = memory[memory.shape[0] - 3 * beams :]  # its memory ends with what it expects nothing back of
     reach = radius + _LOOK_M
     half_planes(xs, ys, int(memory[avoidance.POINTS]), places, pose[0], pose[1], radius, reach, scratch, out)
 
@@ -62,7 +63,7 @@ def last_word(obs, memory, params, command):  # type: ignore[no-untyped-def]
     beams = int(params[avoidance.BEAMS])
     at = avoidance.VARIABLE + ROW * int(params[avoidance.HISTORY])
     xs, ys = memory[at : at + beams], memory[at + beams : at + 2 * beams]
-    near, scratch = memory[at + 3 * beams : at + 7 * beams], memory[at + 7 * beams :]
+    near, scratch = memory[at + 3 * beams : at + 7 * beams], memory[memory.shape[0] - 3 * beams :]
     x, y, theta = obs[layout.POSE], obs[layout.POSE + 1], obs[layout.POSE + 2]
     c, s = math.cos(theta), math.sin(theta)
     give_way(obs, memory, params, xs, ys, int(memory[avoidance.POINTS]), x, y, c, s, command)

@@ -91,6 +91,7 @@ class FuzzyPid:
     command_kind: ClassVar[CommandKind] = "wheels"
     needs_lidar: ClassVar[bool] = True
     kernel: ClassVar[Any] = staticmethod(fuzzy_pid_kernel)
+    faults: ClassVar[dict[int, str]] = FuzzyAvoidance.faults
 
     def __post_init__(self) -> None:
         checked(

@@ -8,10 +8,12 @@ import pytest
 
 import holodrive as hd
 from holodrive import control, planning, worlds
+from holodrive.control import avoidance
 from holodrive.control.fuzzy_mpc import FuzzyMpc, extrapolated
 from holodrive.control.fuzzy_pid import FuzzyPid
 from holodrive.errors import HolodriveError
 from holodrive.kinematics import Chassis
+from holodrive.perception.scan_points import ROW
 from holodrive.types import Estimate, Observation, Pose, Reference, Scan, Twist, WheelState
 
 ROBOT = hd.load("hybrid3_table_x")
@@ -112,6 +114,37 @@ def test_a_start_of_the_reference_is_not_carried_on():
     times = np.array([0.0, 2.0])
     starting = Reference(Pose(0.0, 0.0, 0.0), Twist(0.1, 0.0, 0.0), Twist(0.2, 0.0, 0.0), last=False)
     np.testing.assert_allclose(extrapolated(starting, times)[1], (0.2, 0.0, 0.0))
+
+
+def test_the_mpc_leaves_what_the_fuzzy_avoidance_remembers_alone():
+    """Between scans nothing that the fuzzy avoidance keeps of earlier ones changes."""
+    driver, goal, kept = FuzzyMpc().controller(ROBOT), Reference(Pose(2.0, 0.0, 0.0)), []
+    ranges = np.where(np.arange(BEAMS) % 90 < 20, 0.8, 3.0)
+    for k in range(60):
+        driver.step(goal, believed(), replace(seen(0.01 * k, ranges), scan_is_new=k % 18 == 0))
+        memory, params = driver._memory, driver._fuzzy
+        first = avoidance.VARIABLE + ROW * int(params[avoidance.HISTORY])
+        kept.append(memory[first : len(memory) - 3 * BEAMS].copy())
+    assert driver.solutions > 5
+    for k in range(1, 60):
+        if k % 18:
+            np.testing.assert_array_equal(kept[k], kept[k - 1])
+
+
+@pytest.mark.parametrize("name", ["fuzzy", *CASCADES])
+def test_a_lidar_that_falls_silent_stops_the_robot_and_says_why(name):
+    driver, goal, faults = control.controller(name, ROBOT), Reference(Pose(2.0, 0.0, 0.0)), []
+    for k in range(80):
+        observation = (
+            seen(0.01 * k) if k == 0 else replace(seen(), time=0.01 * k, scan=scan(math.inf), scan_is_new=False)
+        )
+        decision = driver.step(goal, believed(), observation)
+        faults.append(decision.fault)
+    np.testing.assert_allclose(
+        [*decision.command[0], *decision.command[1]] if name == "fuzzy_pid" else decision.command, 0.0
+    )
+    assert sum(bool(fault) for fault in faults) == 1
+    assert "too old" in max(faults, key=len)
 
 
 def test_without_a_plan_the_fuzzy_avoidance_drives_and_people_are_told_once():
