@@ -12,7 +12,7 @@ import math
 from holodrive.control.fuzzy import packing as pk
 from holodrive.leaf import leaf
 
-_LEVEL = 1.0 - 1e-12  # of the peak: what counts as the same height, rounding allowed
+LEVEL = 1.0 - 1e-12  # of the peak: what counts as the same height, rounding allowed
 
 
 @leaf
@@ -26,7 +26,7 @@ def defuzzified(spec, at, work):  # type: ignore[no-untyped-def]
         return moment / total
     if method == pk.BISECTOR:
         return _bisector(spec, at, work, 0.5 * total)
-    return _of_maxima(spec, at, work, method, peak * _LEVEL)
+    return _of_maxima(spec, at, work, method, peak * LEVEL)
 
 
 @leaf
@@ -152,8 +152,12 @@ def _bisector(spec, at, work, half):  # type: ignore[no-untyped-def]
             u, y0, y1, width = work[p], work[p + 1], work[p + 3], work[p + 2] - work[p]
             size = 0.5 * width * (y0 + y1)
             if done + size >= half:
-                # y0 s + (y1 - y0) s^2 / (2 width) = rest, solved without cancellation
-                rest, slope = half - done, (y1 - y0) / width
+                # y0 s + (y1 - y0) s^2 / (2 width) = rest, solved without cancellation; in shares of the higher end,
+                # since squares of very low heights vanish
+                top = max(y0, y1)
+                if top == 0.0:
+                    return u
+                rest, y0, slope = (half - done) / top, y0 / top, (y1 - y0) / top / width
                 root = y0 + math.sqrt(max(y0 * y0 + 2.0 * slope * rest, 0.0))
                 return u + (min(2.0 * rest / root, width) if root > 0.0 else 0.0)
             done += size

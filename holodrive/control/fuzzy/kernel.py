@@ -243,7 +243,7 @@ def _of_singletons(spec, at, heights):  # type: ignore[no-untyped-def]
         return _median(spec, at, heights, 0.5 * total)
     low, high, sum_, count = math.inf, -math.inf, 0.0, 0
     for k in range(n):
-        if heights[k] == top:
+        if heights[k] >= top * area.LEVEL:
             place = spec[at + pk.TABLE + k]
             low, high, sum_, count = min(low, place), max(high, place), sum_ + place, count + 1
     return low if method == pk.SOM else high if method == pk.LOM else sum_ / count

@@ -103,6 +103,15 @@ def test_single_precision_is_near(tmp_path):
 
 
 @needs_cc
+@pytest.mark.parametrize("method", ["bisector", "mom"])
+def test_faint_rules_count_as_they_do_in_the_kernel(method, tmp_path):
+    system = fuzzy.load("repaired")
+    rules = tuple(replace(rule, weight=1e-250) for rule in system.rules)
+    faint = replace(system, rules=rules, implication="prod", defuzzification=method)
+    compare(faint, *compiled(tmp_path, faint), np.random.default_rng(6).uniform(0.0, 2500.0, (100, 3)))
+
+
+@needs_cc
 def test_the_default_is_given_where_no_rule_fires(tmp_path):
     system = fuzzy.load("paper_viii")
     outputs = (replace(system.outputs[0], default=-7.5), system.outputs[1])

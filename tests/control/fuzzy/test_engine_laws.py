@@ -52,6 +52,15 @@ def test_the_order_of_rules_does_not_matter(case, random):
     equal(evaluate(replace(system, rules=tuple(rules)), x), out, atol=1e-7)
 
 
+@pytest.mark.parametrize("method", ["centroid", "bisector", "mom", "som", "lom"])
+def test_how_faintly_rules_fire_changes_nothing_where_they_scale(method):
+    """Down to where numbers end: squares of such heights are 0."""
+    system = replace(fuzzy.load("repaired"), implication="prod", defuzzification=method)
+    faint = replace(system, rules=tuple(replace(rule, weight=1e-250) for rule in system.rules))
+    x = np.random.default_rng(5).uniform(0.0, 2500.0, (200, 3))
+    equal(evaluate(faint, x), evaluate(system, x))
+
+
 @given(with_input(mamdani()))
 def test_other_units_give_the_same_behaviour(case):
     """Inputs times 0.5 and moved, outputs times 4: outputs come out four times as large."""

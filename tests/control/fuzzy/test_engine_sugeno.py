@@ -79,3 +79,11 @@ def test_singletons_are_weighed_by_their_heights():
     u, mu = aggregated(singletons(6.0, 1.0, -4.0), x, 0)
     np.testing.assert_allclose(u, [-4.0, 1.0, 6.0])
     np.testing.assert_allclose(mu, [0.2, 0.3, 0.7])
+
+
+@pytest.mark.parametrize(("method", "expected"), [("mom", 2.5), ("som", 1.0), ("lom", 4.0)])
+def test_singletons_that_differ_by_rounding_only_are_equally_high(method, expected):
+    system = singletons(1.0, 4.0, 9.0, method=method)
+    weights = (0.3, 0.1 + 0.2, 0.0, 0.0)  # the second is the next number above 0.3
+    rules = tuple(replace(rule, weight=weight) for rule, weight in zip(system.rules, weights, strict=True))
+    assert replace(system, rules=rules).evaluate([0.5, 0.5])[0] == expected

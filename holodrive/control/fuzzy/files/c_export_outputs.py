@@ -76,7 +76,9 @@ def _sugeno(system: System, index: int, rules: list[tuple[int, int]], table: Arr
 
 def _singletons(system: System, index: int, output: Output, places: Array) -> Output:
     n, method = len(places), system.defuzzification
-    piece = c.SINGLETONS[method if method in ("centroid", "bisector") else "maxima"]
+    highest = method not in ("centroid", "bisector")
+    piece = c.SINGLETONS["maxima" if highest else method]
+    output.pieces += [c.LEVEL] * highest
     output.pieces.append(piece.replace("@PICK@", c.PICK.get(method, "")))
     output.declarations.append(f"static const fz_real u{index}[{n}] = {{{', '.join(map(_real, places.tolist()))}}};")
     fires = " || ".join(f"h{index}[{k}] > 0" for k in range(n))

@@ -260,11 +260,12 @@ BISECTOR = """\
         fz_real width = u[k + 1] - u[k], size = width * (y[k] + y[k + 1]) / 2;
         f->at = u[k] + width;
         if (f->done + size >= f->half) {
-            fz_real rest = f->half - f->done, slope = (y[k + 1] - y[k]) / width;
-            fz_real root = y[k] + fz_root(y[k] * y[k] + 2 * slope * rest), step = width;
+            fz_real top = y[k + 1] > y[k] ? y[k + 1] : y[k], rest = (f->half - f->done) / top;
+            fz_real first = y[k] / top, slope = (y[k + 1] - y[k]) / top / width;
+            fz_real root = first + fz_root(first * first + 2 * slope * rest), step = width;
             if (root > 0 && 2 * rest / root < width)
                 step = 2 * rest / root;
-            f->at = u[k] + (root > 0 ? step : FZ_R(0));
+            f->at = u[k] + (top > 0 && root > 0 ? step : FZ_R(0));
             f->found = 1;
         }
         f->done += size;
@@ -352,7 +353,7 @@ static fz_real fz_of_singletons(const fz_real *u, const fz_real *h, int n)
     for (k = 0; k < n; ++k)
         top = h[k] > top ? h[k] : top;
     for (k = 0; k < n; ++k) {
-        if (h[k] != top)
+        if (h[k] < top * FZ_LEVEL)
             continue;
         low = count == 0 || u[k] < low ? u[k] : low;
         high = count == 0 || u[k] > high ? u[k] : high;
