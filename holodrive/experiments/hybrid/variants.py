@@ -17,7 +17,8 @@ from holodrive.types import Array
 from holodrive.worlds.spec import World
 
 RANDOM_S = 90.0  # s for a random world with the motors that Table X needs
-AS_PRINTED = {"mode": "differential", "barrier": False}  # a goal is sought, else it would reach none
+# a goal is sought, else they would reach none; nothing else is added
+AS_PRINTED = {"mode": "differential", "barrier": False, "patience_s": math.inf, "inertia_s": 0.0}
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ PRINTED_VII = Variant("Table VII as printed", {"profile": "paper_vii", **AS_PRIN
 SWAPPED = Variant(
     "Table VIII, L and R swapped by fuzzylab", {"profile": "paper_viii", "fuzzylab_compat": True, **AS_PRINTED}
 )
-WITHOUT_RULES = Variant("goal and barrier, rules never asked", {"blocked_m": -2.0, "free_m": -1.0})
+WITHOUT_RULES = Variant("goal and barrier, rules never asked", {"blocked_m": 0.0, "free_m": 1e-6})
 
 AVOIDERS = (REPAIRED, TUNED, DIFFERENTIAL, PRINTED_VIII, PRINTED_VII, SWAPPED)
 
