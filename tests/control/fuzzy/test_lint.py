@@ -175,6 +175,16 @@ def test_missing_rules_that_silence_a_piece_of_the_universe_are_errors():
     assert one.value == pytest.approx((1000.0 / 2500.0) ** 3)  # only F holds from 1500 to 2500
 
 
+def test_an_output_that_nobody_speaks_about_somewhere_is_told():
+    """Rules 19 to 27 fire where the head is far, but say nothing of R."""
+    rules = tuple(replace(r, outputs=(r.outputs[0], 0)) if r.inputs[0] == 3 else r for r in load("repaired").rules)
+    system = replace(load("repaired"), rules=rules)
+    one = only(lint(system, mirror=()), "F-MISSING")
+    assert (one.variable, one.severity) == ("R", "error")
+    assert one.value == pytest.approx(1000.0 / 2500.0)  # only F holds from 1500 to 2500
+    assert np.isnan(system.evaluate([2000.0, 1000.0, 1000.0])[1])
+
+
 def test_don_t_care_and_or_cover_many_combinations():
     """Two rules may cover all nine."""
     x, y = ruspini("x", 0, 1), ruspini("y", 0, 1)
@@ -214,6 +224,15 @@ def test_dead_rules_are_those_that_cannot_fire():
     far = replace(system.inputs[0], sets=(*system.inputs[0].sets, Set("X", "triangle", (3.0, 4.0, 5.0))))
     beyond = replace(system, inputs=(far, *system.inputs[1:]), rules=(*system.rules, Rule((4, 0, 0), (1, 1))))
     assert only(lint(beyond, mirror=()), "F-DEAD").rules == (28,)
+
+
+def test_a_conclusion_outside_its_range_is_told():
+    """Its rule fires and says nothing."""
+    system = load("repaired")
+    left = replace(system.outputs[0], sets=(*system.outputs[0].sets, Set("far", "triangle", (400.0, 500.0, 600.0))))
+    beyond = with_rules(replace(system, outputs=(left, system.outputs[1])), Rule((3, 0, 0), (5, 4)))
+    one = only(lint(beyond, mirror=()), "F-DEAD")
+    assert (one.variable, one.rules) == ("L", (28,))
 
 
 def test_a_masked_rule_changes_nothing_anywhere():
@@ -271,6 +290,22 @@ def test_defuzzification_by_maxima_is_said_to_jump_by_nature():
     codes = {one.code for one in lint(system)}
     assert "F-STEPS" in codes
     assert "F-JUMP" not in codes
+
+
+def test_the_bisector_is_not_taken_for_smooth():
+    """It leaps over the gap between the sets below and above zero where one side comes to outweigh the other."""
+    system = replace(load("repaired"), defuzzification="bisector")
+    assert "F-STEPS" in {one.code for one in lint(system)}
+    head = np.linspace(250.0, 500.0, 100_001)
+    steps = np.abs(np.diff(system.evaluate(np.stack([head, 0.0 * head + 2500.0, 0.0 * head + 2500.0], axis=1)), axis=0))
+    assert steps.max() > 300.0
+
+
+def test_mirrors_of_different_weight_are_told():
+    system = clean()
+    lighter = tuple(replace(r, weight=0.5) if n == 2 else r for n, r in enumerate(system.rules, 1))
+    found = lint(replace(system, rules=lighter))
+    assert only(found, "F-MIRROR-RULE").rules == (2, 4)
 
 
 def test_smooth_sets_have_neither_gaps_nor_jumps():

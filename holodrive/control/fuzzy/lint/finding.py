@@ -11,12 +11,12 @@ Severity = Literal["error", "warning", "info"]
 # code -> what it means, in the order in which findings are told; docs/fuzzy.md has the same table
 CODES: dict[str, str] = {
     "F-GAP": "an input has a place where none of its sets holds",
-    "F-MISSING": "a combination of sets that no rule names",
+    "F-MISSING": "a combination of sets that no rule names, or none that speaks about some output",
     "F-CONTRADICT": "two rules with the same condition and different conclusions",
     "F-TOWARD": "a rule turns the robot toward the nearer side",
     "F-RANGE": "the sensor tells numbers beyond the universe, and nothing fires there without clamping",
     "F-JUMP": "an output jumps where an input moves by nothing",
-    "F-DEAD": "a rule that can never fire",
+    "F-DEAD": "a rule that can never fire, or that concludes what lies outside the output's range",
     "F-MASKED": "a rule that another one always hides",
     "F-DUPLICATE": "a rule that is there twice",
     "F-TOWARD-BACK": "a rule backs up and yaws the nose toward the nearer side",
@@ -24,7 +24,7 @@ CODES: dict[str, str] = {
     "F-STRAIGHT": "a rule drives straight past a near side although the other is farther",
     "F-MIRROR-IN": "the sets of a left and a right input differ",
     "F-MIRROR-OUT": "the sets of a left and a right output differ",
-    "F-MIRROR-RULE": "swapping left and right in a rule's condition does not swap its outputs",
+    "F-MIRROR-RULE": "swapping left and right in a rule's condition does not swap its outputs, or changes its weight",
     "F-ZERO": "no set of an output holds zero, though its range does",
     "F-TIE": "a rule turns where left and right are alike",
     "F-REACH": "an end of an output's range cannot be reached",

@@ -51,9 +51,11 @@ def check_range(system: System, sensor_range: tuple[float, float]) -> Iterator[F
         )  # fmt: skip
 
 
-def dead_share(system: System, found: list[Patterns]) -> float:
-    """Share of the box that the patterns cover in which no rule fires."""
+def dead_share(system: System, found: list[Patterns], output: int | None = None) -> float:
+    """Share of the box that the patterns cover in which no rule fires, or none that speaks about an output."""
     fires = fired(system, found)
+    if output is not None:
+        fires = fires[..., [rule.outputs[output] > 0 for rule in system.rules]]
     weights = [one.width / one.width.sum() for one in found]
     volume = weights[0]
     for weight in weights[1:]:

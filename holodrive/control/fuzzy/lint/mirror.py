@@ -151,6 +151,11 @@ def _rules(system: System, sides: Sides) -> Iterator[Finding]:
                 f"{_concludes(system, system.rules[other - 1])}"
             )
             yield Finding("F-MIRROR-RULE", "warning", text, rules=(number, other))
+        elif system.rules[other - 1].weight != rule.weight:
+            seen |= {number, other}
+            text = f"{numbers((number, other))} are mirrors, but weigh {rule.weight:g} and "
+            text += f"{system.rules[other - 1].weight:g}"
+            yield Finding("F-MIRROR-RULE", "warning", text, rules=(number, other))
 
 
 def swap(rule: Rule, sides: Sides) -> Rule:

@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 
 from holodrive.control.fuzzy.evaluation import evaluate
-from holodrive.control.fuzzy.lint.finding import Finding, with_unit
+from holodrive.control.fuzzy.lint.finding import Finding, numbers, with_unit
 from holodrive.control.fuzzy.lint.patterns import input_patterns
 from holodrive.control.fuzzy.sets import Set
 from holodrive.control.fuzzy.shape import Shape, breaks, shapes
@@ -18,7 +18,8 @@ from holodrive.types import Array
 SHORT = 0.05  # share of an output's range that an end may be missed by before it is told
 _STEP = 1e-6  # share of an input's universe: the two points that a one-sided limit is drawn from
 _MOST = 20_000  # places of the other inputs that a jump is looked for at
-_SMOOTH = ("centroid", "bisector", "wtaver", "wtsum")  # change little when memberships do
+# change little when memberships do; a bisector leaps over the gap between two sets that outweigh each other in turn
+_SMOOTH = ("centroid", "wtaver", "wtsum")
 
 
 def check_outputs(system: System) -> Iterator[Finding]:
@@ -26,6 +27,7 @@ def check_outputs(system: System) -> Iterator[Finding]:
     plain = replace(system, fuzzylab=False)
     for index, variable in enumerate(system.outputs):
         if used := _used(system, index):
+            yield from _beyond(plain, index, used)
             yield from _zero(system, variable, used)
             yield from _reach(plain, index, used)
     if system.defuzzification in _SMOOTH:
@@ -57,6 +59,21 @@ def conclusion(system: System, output: int, index: int) -> tuple[float, float]:
 def _used(system: System, output: int) -> list[int]:
     """Numbers of the sets that a rule concludes."""
     return sorted({rule.outputs[output] for rule in system.rules if rule.weight > 0.0} - {0})
+
+
+def _beyond(system: System, output: int, used: list[int]) -> Iterator[Finding]:
+    """Sets that a rule concludes and that do not reach into the range."""
+    variable = system.outputs[output]
+    for index in used:
+        if not math.isnan(conclusion(system, output, index)[1]):
+            continue
+        rules = tuple(n for n, rule in enumerate(system.rules, 1) if rule.outputs[output] == index)
+        yield Finding(
+            "F-DEAD", "warning",
+            f"set {variable.sets[index - 1].name} of {variable.name} has no part in its range, {variable.low:g} to "
+            f"{with_unit(variable.high, variable.unit)}: {numbers(rules)} say{'s' * (len(rules) == 1)} nothing of it",
+            variable=variable.name, rules=rules,
+        )  # fmt: skip
 
 
 def _zero(system: System, variable: Variable, used: list[int]) -> Iterator[Finding]:

@@ -33,16 +33,27 @@ def _missing(system: System) -> Iterator[Finding]:
         )
         return
     crisp = [_crisp(count, len(v.sets)) for count, v in zip(counts, system.inputs, strict=True)]
-    holes = np.argwhere(~fired(system, crisp).any(axis=-1))
-    if not len(holes):
-        return
-    told = [_combination(system, hole) for hole in holes[:_TOLD].tolist()]
-    more = f" and {len(holes) - _TOLD} more" if len(holes) > _TOLD else ""
+    fires = fired(system, crisp)
     covered = [_without_gaps(one) for one in found]
-    share = dead_share(system, covered)
-    effect = f"; nothing fires in {100.0 * share:.2g} % of the universe" if share > 0.0 else "; neighbours cover for it"
-    text = f"{len(holes)} of {math.prod(counts)} combinations have no rule: {'; '.join(told)}{more}{effect}"
-    yield Finding("F-MISSING", "error" if share > 0.0 else "warning", text, value=share)
+    dead = dead_share(system, covered)
+    every = math.prod(counts)
+    holes = np.argwhere(~fires.any(axis=-1))
+    if len(holes):
+        effect = f"nothing fires in {100.0 * dead:.2g} % of the universe" if dead > 0.0 else "neighbours cover for it"
+        text = f"{len(holes)} of {every} combinations have no rule: {_combinations(system, holes)}; {effect}"
+        yield Finding("F-MISSING", "error" if dead > 0.0 else "warning", text, value=dead)
+    for k, variable in enumerate(system.outputs):
+        speaks = [rule.outputs[k] > 0 for rule in system.rules]
+        holes = np.argwhere(fires.any(axis=-1) & ~fires[..., speaks].any(axis=-1))
+        if not (any(speaks) and len(holes)):
+            continue
+        share = dead_share(system, covered, k) - dead
+        effect = f"it is silent in {100.0 * share:.2g} % of the universe" if share > 0.0 else "neighbours cover for it"
+        text = (
+            f"{len(holes)} of {every} combinations have rules, but none that speaks about {variable.name}: "
+            f"{_combinations(system, holes)}; {effect}"
+        )
+        yield Finding("F-MISSING", "error" if share > 0.0 else "warning", text, variable=variable.name, value=share)
 
 
 def _crisp(count: int, sets: int) -> Patterns:
@@ -55,6 +66,12 @@ def _without_gaps(one: Patterns) -> Patterns:
     """Without the places where no set holds: those are told as gaps of the input."""
     keep = one.holds.any(axis=-1) if one.holds.shape[1] else np.ones(len(one), dtype=bool)
     return Patterns(one.holds[keep], one.short[keep], one.width[keep], one.place[keep])
+
+
+def _combinations(system: System, holes: NDArray[np.intp]) -> str:
+    """The first ones, and how many more there are."""
+    more = f" and {len(holes) - _TOLD} more" if len(holes) > _TOLD else ""
+    return "; ".join(_combination(system, hole) for hole in holes[:_TOLD].tolist()) + more
 
 
 def _combination(system: System, hole: list[int]) -> str:
