@@ -50,7 +50,7 @@ SCAN_IS_OLD, NO_RULE_FIRED = 1, 2  # faults
 PROGRESS_M = 0.10  # nearer to the goal by this is progress
 VIA_REACHED_M = 0.10
 SURPRISE_M = 0.02  # what comes nearer by this much between scans, and not by the robot's motion, moves
-SURPRISE_NEAR_M = 0.04  # outside the barrier's margin, where that matters
+SURPRISE_NEAR_M = 0.08  # outside the barrier's margin, where that matters
 
 
 def memory_size(beams: int, poses: int, work: int) -> int:
@@ -240,14 +240,17 @@ def take_scan(obs, memory, params, poses, xs, ys, ts, near, tables):  # type: ig
     c, s = math.cos(theta), math.sin(theta)
     sx, sy = x + c * sensor[0] - s * sensor[1], y + s * sensor[0] + c * sensor[1]
     tr.follow(xs, ys, ts, count, sx, sy, memory[TRACKS:CRESCENTS])
-    changes.find(xs, ys, ts, count, sx, sy, int(memory[SCANS]), most, tables, memory[CRESCENTS:MOVERS])
-    tr.forget(stamp, tracks)
-    memory[SURPRISED] = 1.0 if came_by_itself(memory, params, near, xs, ys, count, x, y) else 0.0
+    changes.find(
+        xs, ys, ts, count, sx, sy, int(memory[SCANS]), most, tables, memory[TRACKS:CRESCENTS], memory[CRESCENTS:MOVERS]
+    )
+    tr.forget(stamp, tr.LOST_MOVING_S, memory[TRACKS:CRESCENTS])
+    tr.forget(stamp, changes.LOST_S, memory[CRESCENTS:MOVERS])
+    memory[SURPRISED] = 1.0 if came_by_itself(memory, params, near, xs, ys, ts, count, x, y) else 0.0
     moving, square = tr.any_moving(tracks), params[NEAR] ** 2
     kept = nears = 0
     for i in range(count):
         px, py = xs[i], ys[i]
-        track = tr.mover_of(px, py, ts[i], tracks) if moving else -1
+        track = tr.mover_of(px, py, ts[i], 1.0, tracks) if moving else -1
         if (px - x) ** 2 + (py - y) ** 2 < square:
             vx, vy = (tracks[track + tr.VX], tracks[track + tr.VY]) if track >= 0 else (0.0, 0.0)
             near[nears], near[most + nears] = px + (stamp - ts[i]) * vx, py + (stamp - ts[i]) * vy
@@ -264,16 +267,20 @@ def take_scan(obs, memory, params, poses, xs, ys, ts, near, tables):  # type: ig
 
 
 @leaf
-def came_by_itself(memory, params, near, xs, ys, count, x, y):  # type: ignore[no-untyped-def]
-    """Whether the nearest point of a new scan is nearer than the old scan's points are from here."""
-    most, before, now = near.shape[0] // 4, math.inf, math.inf
+def came_by_itself(memory, params, near, xs, ys, ts, count, x, y):  # type: ignore[no-untyped-def]
+    """Whether a new scan's nearest point is nearer than all of the old scan's are from here, and no known mover's."""
+    most, before, now, nearest = near.shape[0] // 4, math.inf, math.inf, 0
     for i in range(int(memory[NEARS])):
         before = min(before, (near[i] - x) ** 2 + (near[most + i] - y) ** 2)
     for i in range(count):
-        now = min(now, (xs[i] - x) ** 2 + (ys[i] - y) ** 2)
+        square = (xs[i] - x) ** 2 + (ys[i] - y) ** 2
+        if square < now:
+            now, nearest = square, i
     before, now = math.sqrt(before), math.sqrt(now)
     is_near = now < params[FOOTPRINT] + params[MARGIN] + SURPRISE_NEAR_M
-    return memory[SCANS] > 0.0 and is_near and before - now > SURPRISE_M
+    if memory[SCANS] == 0.0 or not is_near or before - now <= SURPRISE_M:
+        return False
+    return tr.mover_of(xs[nearest], ys[nearest], ts[nearest], 1.0, memory[TRACKS:MOVERS]) < 0
 
 
 @leaf

@@ -16,13 +16,17 @@ MOVER = 6  # a row: x, y, vx, vy, radius, time until it may turn back [s]
 TOUCH_M = 0.02  # nearer than this is a touch
 STOP_S = 0.8  # a touch that is nearer than this is met standing
 SHORTEST_S = 0.3  # what stops sooner is no motion
+LATER_S = 0.4
+_UNTOUCHED, _ROOM = 10.0, 10.0
 _KEEP = 0.15  # what changing one's mind must win, in shares of cruising speed
 _WAIT = 0.1  # what standing costs less than going somewhere else
 
 
 @leaf
-def clear_until(px, py, vx, vy, go_s, movers, count, radius, margin, horizon):  # type: ignore[no-untyped-def]
-    """When [s] a motion first comes nearer than `margin` to a mover, and the least gap [m]; horizon if never.
+def play(px, py, vx, vy, go_s, movers, count, radius, margin, horizon):  # type: ignore[no-untyped-def]
+    """Play a motion out: when [s] it comes nearer to a mover than `margin`, and than `TOUCH_M`; its least gap [m].
+
+    The times are `horizon` if never. The gap counts from `LATER_S` on: what is near now may be on its way out.
 
     Args:
         px, py: start [m].
@@ -30,25 +34,24 @@ def clear_until(px, py, vx, vy, go_s, movers, count, radius, margin, horizon):  
         movers, count: rows of `MOVER` numbers.
         radius: of the robot [m].
     """
-    first, least = horizon, math.inf
-    steps = int(horizon / STEP_S) + 1
-    for i in range(steps):
+    near, touch, least = horizon, horizon, math.inf
+    for i in range(int(horizon / STEP_S) + 1):
         t = i * STEP_S
         gone = min(t, go_s)
         x, y = px + gone * vx, py + gone * vy
+        gap = math.inf
         for k in range(0, MOVER * count, MOVER):
+            mx, my = movers[k] + t * movers[k + 2] - x, movers[k + 1] + t * movers[k + 3] - y
+            way = math.hypot(mx, my)
             # turned back where it may; the nearer of both futures counts
             back = max(0.0, t - movers[k + 5])
-            mx, my = movers[k] + t * movers[k + 2], movers[k + 1] + t * movers[k + 3]
-            gap = math.hypot(x - mx, y - my)
             if back > 0.0:
-                mx, my = mx - 2.0 * back * movers[k + 2], my - 2.0 * back * movers[k + 3]
-                gap = min(gap, math.hypot(x - mx, y - my))
-            gap -= radius + movers[k + 4]
-            least = min(least, gap)
-            if gap < margin and t < first:
-                first = t
-    return first, least
+                way = min(way, math.hypot(mx - 2.0 * back * movers[k + 2], my - 2.0 * back * movers[k + 3]))
+            gap = min(gap, way - radius - movers[k + 4])
+        near = t if gap < margin and t < near else near
+        touch = t if gap < TOUCH_M and t < touch else touch
+        least = gap if t >= LATER_S and gap < least else least
+    return near, touch, least
 
 
 @leaf
@@ -74,7 +77,7 @@ def evade(  # type: ignore[no-untyped-def]
         vx, vy: wanted [m/s].
         x, y: the robot's centre [m].
         xs, ys, points: what stands [m].
-        movers, count: see `clear_until`.
+        movers, count: see `play`.
         radius: of the robot; margin: to what moves; gap: to what stands [m].
         horizon: [s].
         speed: of evasive motions [m/s].
@@ -83,11 +86,11 @@ def evade(  # type: ignore[no-untyped-def]
     """
     wanted = max(math.hypot(vx, vy), 1e-9)
     length = free_way(xs, ys, points, x, y, vx / wanted, vy / wanted, radius + gap)
-    until, _ = clear_until(x, y, vx, vy, length / wanted, movers, count, radius, margin, horizon)
-    if until >= horizon:
+    near, _, _ = play(x, y, vx, vy, length / wanted, movers, count, radius, margin, horizon)
+    if near >= horizon:
         chosen[0], chosen[1] = vx, vy
         return
-    best, best_until, last_x, last_y = math.inf, 0.0, chosen[0], chosen[1]
+    best, soonest, last_x, last_y = math.inf, 0.0, chosen[0], chosen[1]
     for way in range(-1, ways):
         ux = uy = length = 0.0  # way -1 is to stand
         if way >= 0:
@@ -95,17 +98,15 @@ def evade(  # type: ignore[no-untyped-def]
             length = free_way(xs, ys, points, x, y, ux, uy, radius + gap)
         for part in range(LASTING if way >= 0 else 1):
             go_s = min(length / speed, horizon * 2.0**part / 4.0)
-            until, least = clear_until(x, y, speed * ux, speed * uy, go_s, movers, count, radius, margin, horizon)
+            near, touch, least = play(x, y, speed * ux, speed * uy, go_s, movers, count, radius, margin, horizon)
             cx, cy = (speed * ux, speed * uy) if go_s > SHORTEST_S else (0.0, 0.0)
             cost = math.hypot(cx - vx, cy - vy) / speed - (_WAIT if way < 0 else 0.0)
             if math.hypot(cx - last_x, cy - last_y) < 0.1 * speed:
                 cost -= _KEEP
-            if until < horizon:  # clear for long comes before near to what is wanted
-                cost += 10.0 * (1.0 + horizon - until) - 10.0 * min(0.0, least)
+            if near < horizon:  # not to touch comes before room, and room before what is wanted
+                cost += _UNTOUCHED * (1.0 + horizon - touch) + _ROOM * max(0.0, margin - least) / margin
             if cost < best:
-                best, best_until = cost, until
+                best, soonest = cost, touch
                 chosen[0], chosen[1] = cx, cy
-    if best_until < horizon:
-        touch, _ = clear_until(x, y, chosen[0], chosen[1], 1.0, movers, count, radius, TOUCH_M, horizon)
-        if touch < STOP_S:
-            chosen[0] = chosen[1] = 0.0
+    if soonest < STOP_S:
+        chosen[0] = chosen[1] = 0.0

@@ -24,6 +24,7 @@ Motor = Literal["own", "22rpm", "deg_s", "mm_s", "table_x"]
 # rad/s at output +-300: the paper's motor; outputs as degrees a second; what Table X's mean of 0.211 m/s takes
 OMEGA_RAD_S = {"22rpm": 22.0 * math.pi / 30.0, "deg_s": math.radians(300.0), "table_x": 7.82}
 EVADE_SPEED = 1.35  # of evasive motions, in shares of cruising speed
+FAR_M = 3.0  # what the paper's program takes for no return; its universe ends at 2.5 m
 FULL_MM_S = 300.0  # outputs as mm/s of a differential drive's wheels
 
 # what a number is when neither the user nor the profile says it
@@ -162,7 +163,7 @@ class FuzzyAvoidance:
     evade_margin_m: float | None = None
     patience_s: float | None = None
     inertia_s: float | None = None
-    movers_in_rules: bool = True
+    movers_in_rules: bool = False
     cruise_m_s: float | None = None
     hold_scans: float = 3.0
     stale_scans: float = 2.5
@@ -232,7 +233,7 @@ class FuzzyAvoidance:
         lidar, system, view = _lidar(robot), self.system, DifferentialView.of(robot, self.motor)
         far_mm = min(variable.high for variable in system.inputs)
         full = max(max(abs(variable.low), abs(variable.high)) for variable in system.outputs)
-        radius = robot.footprint_radius_m
+        radius, clamp = robot.footprint_radius_m, self.clamp and not self.fuzzylab_compat
         fastest = math.hypot(view.v_top_m_s, view.v_top_m_s)
         gain, margin = self.number("barrier_gain"), self.number("barrier_margin_m")
         head, side = self.number("head_deg"), self.number("side_deg")
@@ -247,7 +248,7 @@ class FuzzyAvoidance:
             p.W_TOP: view.w_top_rad_s,
             p.CRUISE: cruise,
             p.OFFSET: {"sensor": 0.0, "hull": radius, "offset": self.number("offset_m")}[self.range_from],
-            p.FAR: far_mm / 1000.0,
+            p.FAR: far_mm / 1000.0 if clamp else max(FAR_M, far_mm / 1000.0),
             p.K_HEADING: self.number("k_heading"),
             p.MAX_TURN: self.number("max_turn_rad_s"),
             p.SLOW: self.number("slow_m"),
@@ -269,7 +270,7 @@ class FuzzyAvoidance:
             p.BEAMS: lidar.beams,
             p.UNIT_IN: 1000.0,
             p.UNIT_OUT: 1.0 / full,
-            p.CLAMP: float(self.clamp and not self.fuzzylab_compat),
+            p.CLAMP: float(clamp),
             p.DEFAULT_L: _default(system, 0) / full,
             p.DEFAULT_R: _default(system, 1) / full,
             p.LOOK_S: self.look_s,

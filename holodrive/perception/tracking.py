@@ -20,7 +20,8 @@ WIDEST_M = 0.40  # radius above which something is a wall
 FARTHEST_M = 2.5  # from the sensor; noise and the beams' distance grow with range
 FEWEST = 4  # points
 STANDING_M_S = 0.05  # an estimate below this stands; of young tracks, one below more
-YOUNG, YOUNG_EDGE = 0.9, 0.4  # [1/s] times range, over the square of the scans seen; of discs, of leading edges
+FASTEST_M_S = 0.6  # an estimate above this is a mistake
+YOUNG, YOUNG_EDGE = 1.2, 0.4  # [1/s] times range, over the square of the scans seen; of discs, of leading edges
 LOST_S = 0.5  # unseen for longer, a track ends
 BELIEVED = 3.0  # scans after which a motion counts
 SURE, SURELY = 6.0, 2.0  # scans after which a motion is sure, and how `MOVES` says so
@@ -56,11 +57,11 @@ def follow(xs, ys, ts, count, sx, sy, tracks):  # type: ignore[no-untyped-def]
 
 
 @leaf
-def forget(stamp, tracks):  # type: ignore[no-untyped-def]
-    """End the tracks of what was not seen for long."""
+def forget(stamp, lasting, tracks):  # type: ignore[no-untyped-def]
+    """End the tracks of what was not seen for long [s]; discs that surely move may be hidden for `lasting`."""
     for at in range(0, tracks.shape[0], ROW):
-        lasting = LOST_MOVING_S if tracks[at + MOVES] == SURELY else LOST_S
-        if stamp - tracks[at + TIME] > lasting:
+        limit = lasting if tracks[at + MOVES] == SURELY else min(lasting, LOST_S)
+        if stamp - tracks[at + TIME] > limit:
             tracks[at + SEEN] = tracks[at + MOVES] = 0.0
 
 
@@ -133,7 +134,8 @@ def improve(x, y, radius, time, away, enough, track):  # type: ignore[no-untyped
     track[Y] += dt * track[VY] + alpha * ey
     track[VX] += beta * ex / dt
     track[VY] += beta * ey / dt
-    track[RADIUS] += alpha * (radius - track[RADIUS])
+    # slowly: a disc that seems to grow is one thing that comes out from beside another
+    track[RADIUS] += (radius - track[RADIUS]) / (track[SEEN] + 1.0)
     track[TIME] = time
     track[SEEN] += 1.0
     # what surely moved and has turned is believed at once, what is new after some scans
@@ -142,7 +144,7 @@ def improve(x, y, radius, time, away, enough, track):  # type: ignore[no-untyped
     young = (YOUNG if enough >= BELIEVED else YOUNG_EDGE) * away / (n * n)
     slowest = STANDING_M_S + (young if n >= enough else 0.0)
     track[MOVES] = 0.0
-    if known and math.hypot(track[VX], track[VY]) > slowest:
+    if known and slowest < math.hypot(track[VX], track[VY]) < FASTEST_M_S:
         track[MOVES] = SURELY if surely or n >= SURE else 1.0
 
 
@@ -162,10 +164,10 @@ def any_moving(tracks):  # type: ignore[no-untyped-def]
 
 
 @leaf
-def mover_of(x, y, time, tracks):  # type: ignore[no-untyped-def]
-    """Place in `tracks` of the moving track that a point seen at `time` belongs to; -1 for none."""
+def mover_of(x, y, time, least, tracks):  # type: ignore[no-untyped-def]
+    """Place in `tracks` of the track with `MOVES` >= least that a point seen at `time` belongs to; -1 for none."""
     for at in range(0, tracks.shape[0], ROW):
-        if is_moving(tracks, at):
+        if is_moving(tracks, at) and tracks[at + MOVES] >= least:
             dt = time - tracks[at + TIME]
             ex, ey = x - tracks[at + X] - dt * tracks[at + VX], y - tracks[at + Y] - dt * tracks[at + VY]
             if ex * ex + ey * ey < (tracks[at + RADIUS] + ITS_OWN_M) ** 2:
