@@ -1,5 +1,7 @@
 """Table IX: the course, and why its goal cannot be reached."""
 
+import numpy as np
+
 from holodrive import worlds
 from holodrive.experiments.claims import Claim
 from holodrive.experiments.experiment import Result, Setting
@@ -16,7 +18,7 @@ def table_ix(setting: Setting) -> Result:
             f"obstacle {number}: x, y, radius",
             f"{x:g}, {y:g}, {r:g} cm",
             f"{100.0 * found.x:g}, {100.0 * found.y:g}, {100.0 * found.radius:g} cm",
-            "agrees",
+            "agrees" if np.allclose((x, y, r), np.multiply(100.0, (found.x, found.y, found.radius))) else "differs",
         )
         for number, ((x, y, r), found) in enumerate(zip(printed.OBSTACLES_CM, world.circles, strict=True), 1)
     ]
@@ -30,8 +32,9 @@ def table_ix(setting: Setting) -> Result:
         Claim("text", "arena", "3 x 4 m; 3 x 4.5 m", f"{world.size[0]:g} x {world.size[1]:g} m" if world.size else "—",
               "contradicts itself",
               note="abstract and text; with 4.5 m the end point lies on the wall, with 4 m outside"),
-        Claim("Table IX", "gap left of obstacle 1", f"{printed.OBSTACLES_CM[0][0] - printed.OBSTACLES_CM[0][2]:g} cm",
-              f"robot {2.0 * radius:g} cm wide", "agrees", note="no way through: the robot must pass between 1 and 2"),
+        Claim("Table IX", "room between the west wall and obstacle 1", None,
+              printed.OBSTACLES_CM[0][0] - printed.OBSTACLES_CM[0][2], "not printed", "cm",
+              f"the robot is {2.0 * radius:g} cm wide: it must pass between obstacles 1 and 2"),
     ]  # fmt: skip
     note = TextSection(
         "Courses used here",

@@ -37,7 +37,7 @@ def figure_26(setting: Setting) -> Result:
         _coverage("Fig. 26", system, "DL"),
         _coverage("Fig. 26", system, "DR"),
         Claim("Fig. 26", "rules that fire at DL = 500 mm", None, float(_fired(system, (700.0, 500.0, 700.0))),
-              "cannot be", "", "no set of DL is active there: 0/0 in Eq. 24"),
+              "not printed", "", "no set of DL is active there: 0/0 in Eq. 24"),
         Claim("Fig. 26", "jump of the output across DL = 500 mm, DH = DR = 50 mm", None, jump, "not printed",
               "of 300", "Table VIII"),
     )  # fmt: skip
@@ -54,11 +54,11 @@ def figure_27(setting: Setting) -> Result:
     claims = (
         *_parameters("Fig. 27", system, "L"),
         *_parameters("Fig. 27", system, "R"),
-        Claim("Fig. 27", "centroids of L and of R", middles[0], middles[1], "contradicts itself",
-              note="N NZ PZ P; 'PZ PZ' turns right by 16.7 although both say the same"),
+        Claim("Fig. 27", "centroids of N, NZ, PZ, P", None, f"L {middles[0]}; R {middles[1]}", "not printed",
+              note="'PZ PZ' turns right by 16.7 although both say the same"),
         Claim("Fig. 27", "slowest speed ahead, share of the fastest", None, 100.0 * _slowest(system), "not printed",
               "%", "no set covers zero: the controller cannot stop"),
-        Claim("text", "unit of -300..300", "angular velocity", "—", "cannot be",
+        Claim("text", "unit of -300..300", "angular velocity, unit not told", "share of full speed", "not comparable",
               note="22 rpm are 2.3 rad/s or 132 deg/s; taken here as a share of full speed, with named motor presets"),
     )  # fmt: skip
     return Result(claims, (_sets("Figure 27", system, ("L", "R")),))
@@ -68,10 +68,11 @@ def figure_28(setting: Setting) -> Result:
     """The structure of the system."""
     system = fuzzy.load("paper_viii")
     count = f"{len(system.inputs)} in, {len(system.rules)} rules, {len(system.outputs)} out"
+    same: Verdict = "agrees" if count == printed.STRUCTURE else "differs"
     words = f"{system.kind}, AND {system.conjunction}, {system.implication} / {system.aggregation}, "
     return Result(
         (
-            Claim("Fig. 28", "structure", "3 in, 27 rules, 2 out", count, "agrees"),
+            Claim("Fig. 28", "structure", printed.STRUCTURE, count, same),
             Claim(
                 "Fig. 28", "inference", "Mamdani, centre of gravity", words + system.defuzzification, "agrees",
                 note="min, max and 101 samples are the defaults of the paper's library; here the centroid is exact",
@@ -84,7 +85,18 @@ def figure_29(setting: Setting) -> Result:
     """The rule viewer at one point."""
     system = fuzzy.load("paper_viii")
     section = plots.FuzzySection(system, at=AT)
-    return Result((Claim("Fig. 29", "rule viewer", "27 rows", "27 rows", "no number"),), (section,))
+    return Result(
+        (
+            Claim(
+                "Fig. 29",
+                "rules at work",
+                None,
+                f"{_fired(system, AT)} of {len(system.rules)} at one point",
+                "no number",
+            ),
+        ),
+        (section,),
+    )
 
 
 def figure_30(setting: Setting) -> Result:
@@ -96,8 +108,8 @@ def figure_30(setting: Setting) -> Result:
         values = system.evaluate(grid)
         low, high = np.nanmin(values), np.nanmax(values)
         claims.append(
-            Claim("Fig. 30", f"{name}: outputs reached", "-300 to 300", f"{low:.1f} to {high:.1f}".replace("-", "−"),
-                  "contradicts itself" if name != "repaired" else "differs",
+            Claim("Fig. 30", f"{name}: outputs declared, reached", "−300 to 300",
+                  f"{low:.1f} to {high:.1f}".replace("-", "−"), "not comparable",
                   note="a centroid never reaches the end of the range")
         )  # fmt: skip
     pictures = tuple(
@@ -123,7 +135,9 @@ def figure_33(setting: Setting) -> Result:
     """The window with the four obstacles."""
     world = worlds.load("paper_course_printed")
     picture = Gallery("Figure 33: the four obstacles", ((world.title, paths_over(world, [])),))
-    return Result((Claim("Fig. 33", "obstacles", "4", str(len(world.circles)), "agrees"),), (picture,))
+    count = len(world.circles)
+    claim = Claim("Fig. 33", "obstacles", 4.0, float(count), "agrees" if count == 4 else "differs")
+    return Result((claim,), (picture,))
 
 
 def figure_34(setting: Setting) -> Result:

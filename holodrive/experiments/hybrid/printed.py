@@ -30,6 +30,7 @@ SETS: dict[str, dict[str, tuple[float, ...]]] = {  # section VI.B: parameters of
     "L": {"N": (-300, -200, -175), "NZ": (-200, -150, -100), "PZ": (100, 150, 250), "P": (150, 200, 300)},
     "R": {"N": (-300, -200, -150), "NZ": (-200, -150, -50), "PZ": (100, 150, 200), "P": (150, 200, 300)},
 }
+STRUCTURE = "3 in, 27 rules, 2 out"  # Fig. 28 and Table VIII
 STATES = "seventeen"  # abstract: cognitive states
 UNIVERSE_MM, SENSOR_MM = (0.0, 2500.0), (120.0, 3000.0)  # inputs of the controller, range that the text gives the lidar
 OUTPUT_RANGE = (-300.0, 300.0)

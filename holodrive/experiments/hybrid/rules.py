@@ -22,7 +22,7 @@ def table_vii(setting: Setting) -> Result:
     vii = fuzzy.load("paper_vii")
     claims = (
         _same(),
-        Claim("Table VII", "numbers of the rules", "1 to 9, three times", "1 to 27", "contradicts itself",
+        Claim("Table VII", "numbers of the rules", "1 to 9, three times", "1 to 27", "not comparable",
               note="each of the columns (A), (B), (C) begins with 'Rule 1'"),
         Claim("abstract", "states", printed.STATES, str(len(vii.rules)), "contradicts itself",
               note=f"three sets on three inputs are 27 states; the table has {_pairs(vii)} different output pairs"),
@@ -43,7 +43,7 @@ def table_viii(setting: Setting) -> Result:
     claims = (
         _same(),
         Claim("Table VIII", "rules that turn ahead into the near side", None,
-              _listed(concerned("paper_viii", "F-TOWARD")), "contradicts itself",
+              _listed(concerned("paper_viii", "F-TOWARD")), "not printed",
               note="far, far, near: an obstacle on the right, and the robot turns right; Table VII has it left"),
         Claim("Table VIII", "rules that go straight past one near side", None,
               _listed(concerned("paper_viii", "F-STRAIGHT")), "not printed",
