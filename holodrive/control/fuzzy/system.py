@@ -18,7 +18,7 @@ from holodrive.types import Array
 
 if TYPE_CHECKING:
     from holodrive.control.fuzzy.explain import Explanation
-    from holodrive.control.fuzzy.lint import Finding
+    from holodrive.control.fuzzy.lint import Finding, Mirror
 
 Kind = Literal["mamdani", "sugeno"]
 Conjunction = Literal["min", "prod", "bounded"]  # AND: min(a, b), a b, max(0, a + b - 1)
@@ -228,15 +228,18 @@ class System:
 
         return explain(self, x, clamp)
 
-    def lint(self, sensor_range: tuple[float, float] | None = None) -> "tuple[Finding, ...]":
+    def lint(
+        self, sensor_range: tuple[float, float] | None = None, mirror: "Mirror | None" = None
+    ) -> "tuple[Finding, ...]":
         """What is wrong or doubtful in the system, found by its break points; see `control.fuzzy.lint`.
 
         Args:
             sensor_range: smallest and largest number that the inputs' sensor can tell, in the system's units.
+            mirror: pairs of a left and a right variable; found by their names when None, () for no such check.
         """
         from holodrive.control.fuzzy.lint import lint
 
-        return lint(self, sensor_range)
+        return lint(self, sensor_range, mirror)
 
     @cached_property
     def packed(self) -> Array:

@@ -337,6 +337,7 @@ def test_mirror_pairs_can_be_declared_or_turned_off():
     off = {one.code for one in lint(renamed)}
     assert not off & {"F-MIRROR-IN", "F-TOWARD", "F-BLIND"}
     assert {one.code for one in lint(system, mirror=())} == off
+    assert {one.code for one in system.lint(mirror=())} == off
     declared = lint(renamed, mirror=(("b", "c"), ("p", "q")))
     assert [one.rules for one in declared if one.code == "F-TOWARD"] == [(25,)]
 
