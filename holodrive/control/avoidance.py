@@ -16,7 +16,7 @@ from holodrive.kinematics.kernel import wrap
 from holodrive.leaf import leaf
 from holodrive.perception import changes
 from holodrive.perception import tracking as tr
-from holodrive.perception.scan_points import ROW, place_scan, remember
+from holodrive.perception.scan_points import ROW, place_scan, remember, telling
 from holodrive.perception.sector_ranges import sector_minima
 
 # --- parameters ----------------------------------------------------------------------------------------------------
@@ -149,8 +149,11 @@ def avoid(obs, memory, params, want, ux, uy, look, command):  # type: ignore[no-
     remember(poses, int(memory[POSES]), obs[layout.TIME], x, y, theta)
     memory[POSES] += 1.0
     if obs[layout.SCAN_IS_NEW] != 0.0:
-        take_scan(obs, memory, params, poses, xs, ys, ts, near, tables)
-        react(memory, params, xs, ys, x, y, c, s, scratch)
+        # a lidar that is covered or broken still sends scans: one of which most beams tell nothing counts as none
+        count = min(int(obs[layout.N_BEAMS]), beams)
+        if 2 * telling(obs, layout.BEAMS, count, params[SENSOR + 4]) >= max(1, count):
+            take_scan(obs, memory, params, poses, xs, ys, ts, near, tables)
+            react(memory, params, xs, ys, x, y, c, s, scratch)
     if not ready(obs, memory, params, command):
         return
     points = int(memory[POINTS])
@@ -246,24 +249,41 @@ def take_scan(obs, memory, params, poses, xs, ys, ts, near, tables):  # type: ig
     tr.forget(stamp, tr.LOST_MOVING_S, memory[TRACKS:CRESCENTS])
     tr.forget(stamp, changes.LOST_S, memory[CRESCENTS:MOVERS])
     memory[SURPRISED] = 1.0 if came_by_itself(memory, params, near, xs, ys, ts, count, x, y) else 0.0
-    moving, square = tr.any_moving(tracks), params[NEAR] ** 2
-    kept = nears = 0
+    memory[NEARS] = keep_near(obs, params, poses, int(memory[POSES]), stamp, x, y, tracks, near)
+    moving, kept = tr.any_moving(tracks), 0
     for i in range(count):
-        px, py = xs[i], ys[i]
-        track = tr.mover_of(px, py, ts[i], 1.0, tracks) if moving else -1
-        if (px - x) ** 2 + (py - y) ** 2 < square:
-            vx, vy = (tracks[track + tr.VX], tracks[track + tr.VY]) if track >= 0 else (0.0, 0.0)
-            near[nears], near[most + nears] = px + (stamp - ts[i]) * vx, py + (stamp - ts[i]) * vy
-            near[2 * most + nears], near[3 * most + nears] = vx, vy
-            nears += 1
-        if track < 0 or params[MOVERS_IN_RULES] != 0.0:
-            xs[kept], ys[kept] = px, py
+        if not moving or params[MOVERS_IN_RULES] != 0.0 or tr.mover_of(xs[i], ys[i], ts[i], 1.0, tracks) < 0:
+            xs[kept], ys[kept] = xs[i], ys[i]
             kept += 1
-    memory[POINTS], memory[NEARS] = kept, nears
+    memory[POINTS] = kept
     memory[LAST_SCAN] = stamp
     memory[SCANS] += 1.0
     if moving:
         tr.expect_back(xs, ys, kept, tracks)
+
+
+@leaf
+def keep_near(obs, params, poses, pose_count, stamp, x, y, tracks, near):  # type: ignore[no-untyped-def]
+    """Write the points that matter to the barrier; gives how many.
+
+    All returns count, those that the median takes for outliers too: a thin rod is one beam wide.
+    """
+    most = near.shape[0] // 4
+    xs, ys, ts = near[:most], near[most : 2 * most], near[2 * most : 3 * most]
+    count = place_scan(
+        obs, layout.BEAMS, min(int(obs[layout.N_BEAMS]), most), obs[layout.BEAM_FIRST], obs[layout.BEAM_STEP], stamp,
+        obs[layout.BEAM_PERIOD], params[SENSOR:EDGES], poses, pose_count, math.inf, False, xs, ys, ts,
+    )  # fmt: skip
+    moving, square, kept = tr.any_moving(tracks), params[NEAR] ** 2, 0
+    for i in range(count):  # in place: kept never overtakes i
+        px, py, late = xs[i], ys[i], stamp - ts[i]
+        if (px - x) ** 2 + (py - y) ** 2 < square:
+            track = tr.mover_of(px, py, ts[i], 1.0, tracks) if moving else -1
+            vx, vy = (tracks[track + tr.VX], tracks[track + tr.VY]) if track >= 0 else (0.0, 0.0)
+            near[kept], near[most + kept] = px + late * vx, py + late * vy
+            near[2 * most + kept], near[3 * most + kept] = vx, vy
+            kept += 1
+    return kept
 
 
 @leaf
@@ -308,7 +328,7 @@ def react(memory, params, xs, ys, x, y, c, s, work):  # type: ignore[no-untyped-
 def ready(obs, memory, params, command):  # type: ignore[no-untyped-def]
     """Whether there is a scan to drive by; writes what is wrong, the fault number only when it begins."""
     fault = 0.0
-    if memory[SCANS] > 0.0 and not obs[layout.TIME] - memory[LAST_SCAN] <= params[STALE]:
+    if memory[SCANS] > 0.0 and not -obs[layout.DT] <= obs[layout.TIME] - memory[LAST_SCAN] <= params[STALE]:
         fault = SCAN_IS_OLD
     if memory[SILENT] > 0.0:
         command[layout.NO_RULE] = 1.0

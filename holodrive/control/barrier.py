@@ -11,6 +11,7 @@ from holodrive.leaf import leaf
 
 _TOUCH = 1e-9  # m/s
 _PARALLEL = 1e-9
+_RUNAWAY_M_S = 1.0  # beyond the wanted speed: where half planes almost exclude each other their corner lies far off
 
 
 @leaf
@@ -47,7 +48,7 @@ def point_limits(xs, ys, vxs, vys, count, late, x, y, radius, gain, fastest, lim
 
 @leaf
 def nearest_allowed(vx, vy, limits, count):  # type: ignore[no-untyped-def]
-    """Velocity (2) nearest to (vx, vy) inside all half planes, exactly; rest where there is none.
+    """Velocity (2) nearest to (vx, vy) inside all half planes, exactly; rest where there is none, or none near.
 
     Incremental (Seidel 1991): a half plane that the best velocity so far breaks has the new best one on its line.
     """
@@ -73,6 +74,8 @@ def nearest_allowed(vx, vy, limits, count):  # type: ignore[no-untyped-def]
             return 0.0, 0.0
         t = min(max(0.0, low), high)
         x, y = px + t * dx, py + t * dy
+    if math.hypot(x, y) > math.hypot(vx, vy) + _RUNAWAY_M_S:
+        return 0.0, 0.0
     return x, y
 
 

@@ -31,16 +31,27 @@ def remember(history, count, time, x, y, theta):  # type: ignore[no-untyped-def]
 def median_range(beams, i, first, count, low, high):  # type: ignore[no-untyped-def]
     """Median of beam i's range and its two neighbours' [m]; infinite where beam i itself has no valid return.
 
-    Ranges that are NaN, infinite or outside low..high are no returns. A single beam that sees something between two
-    that see nothing there is taken for an outlier. The scan is a full turn: its last beam is the first one's neighbour.
+    A neighbour that sees nothing (farther than high) counts as infinitely far, so a single beam that sees something
+    between two that do not is taken for an outlier; one that tells nothing (NaN, below low) has no say. The scan is a
+    full turn: its last beam is the first one's neighbour.
     """
     middle = beams[first + i]
     if not (low <= middle <= high):
         return math.inf
     before, after = beams[first + (i - 1) % count], beams[first + (i + 1) % count]
-    before = before if low <= before <= high else math.inf
-    after = after if low <= after <= high else math.inf
+    before = (before if before <= high else math.inf) if before >= low else middle
+    after = (after if after <= high else math.inf) if after >= low else middle
     return max(min(before, after), min(max(before, after), middle))
+
+
+@leaf
+def telling(beams, first, count, low):  # type: ignore[no-untyped-def]
+    """How many beams tell something: a distance, or that there is nothing; NaN and what is below low tell nothing."""
+    found = 0
+    for i in range(count):
+        if beams[first + i] >= low:
+            found += 1
+    return found
 
 
 @leaf

@@ -64,10 +64,38 @@ def test_when_the_lidar_dies_it_stops_and_says_so_once():
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -1.0, 0.0])
-def test_ranges_that_are_no_numbers_are_nothing(bad):
+def test_beams_that_tell_nothing_are_nothing(bad):
     scan = scan_of([(1.0, 0.5, 0.1)])
-    broken = replace(scan, ranges=np.where(np.isinf(scan.ranges), bad, scan.ranges))
+    some = np.isinf(scan.ranges) & (np.arange(360) % 3 == 0)
+    broken = replace(scan, ranges=np.where(some, bad, scan.ranges))
     assert tick(fresh(), broken).command == tick(fresh(), scan).command
+
+
+@pytest.mark.parametrize("bad", [math.nan, -1.0, 0.0, 0.1])
+def test_a_covered_lidar_that_goes_on_sending_stops_the_robot_as_a_dead_one_does(bad):
+    """A scan of which most beams tell nothing counts as none; one that sees nothing far and wide does not."""
+    controller, blind = fresh(), replace(scan_of(), ranges=np.full(360, bad))
+    assert tick(fresh(), blind).command == (0.0, 0.0, 0.0)
+    assert tick(controller, scan_of()).command.vx > 0.2
+    for time in (0.18, 0.36, 0.54):
+        decision = tick(controller, replace(blind, stamp=time), time)
+    assert decision.command == (0.0, 0.0, 0.0)
+    assert "too old" in decision.fault
+    assert tick(controller, scan_of(stamp=0.7), 0.7).command.vx > 0.2
+
+
+def test_a_scan_from_the_future_is_no_scan_to_drive_by():
+    controller = fresh()
+    assert tick(controller, scan_of()).command.vx > 0.2
+    tick(controller, scan_of(stamp=1e9), 0.2)
+    assert tick(controller, scan_of(stamp=1e9), 0.3, new=False).command == (0.0, 0.0, 0.0)
+
+
+def test_the_barrier_heeds_a_rod_that_is_one_beam_wide():
+    """The median takes it for an outlier; what may hurt must not be taken for one."""
+    scan = scan_of()
+    scan.ranges[0] = 0.30
+    assert tick(fresh(), scan).command.vx < 0.1
 
 
 def test_a_reference_that_is_no_number_is_no_command():
