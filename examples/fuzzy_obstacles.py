@@ -1,4 +1,4 @@
-"""A fuzzy controller drives past obstacles; its last decision is explained, and its linter has a word on the rules."""
+"""A fuzzy controller drives past obstacles; an answer of its rules is explained, and the linter has a word on them."""
 
 import holodrive as hd
 from holodrive.control import fuzzy

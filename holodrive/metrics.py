@@ -20,6 +20,7 @@ reference's, e = |p - r| [m] and t the time:
     energy_j              drawn from the battery; NaN where currents are not known
     saturated_share       share of the ticks with a duty at its limit; NaN where duties are not known
     mean_speed_m_s        path length over time
+    no_rule               how often a stretch began in which a fuzzy controller had no rule to fire
 
 While a fixed goal is the reference, e is the distance still to go.
 """
@@ -55,9 +56,10 @@ NAMES = (
     "energy_j",
     "saturated_share",
     "mean_speed_m_s",
+    "no_rule",
 )
 (ARRIVED, TIME, PATH, TURNS, CLEARANCE, COLLISIONS, MOVED_COLLISIONS, IAE, ISE) = range(9)
-(RMS, MAX_ERROR, FINAL_ERROR, FINAL_HEADING, ENERGY, SATURATED, MEAN_SPEED) = range(9, 16)
+(RMS, MAX_ERROR, FINAL_ERROR, FINAL_HEADING, ENERGY, SATURATED, MEAN_SPEED, NO_RULE) = range(9, 17)
 
 TURN_CHORD_M = 0.02
 TURN_RAD = math.radians(10.0)
@@ -65,8 +67,8 @@ STRAIGHT_RAD = math.radians(0.2)  # a bend from chord to chord below this ends a
 FULL_DUTY = 1.0 - 1e-9
 
 # the accumulator: the metrics themselves come first, under their numbers above; then what it takes to go on
-_TICKS, _DUTIES, _T0, _T, _X, _Y, _ANCHOR_X, _ANCHOR_Y, _DIRECTION, _BEND = range(16, 26)
-SIZE = 26
+_TICKS, _DUTIES, _T0, _T, _X, _Y, _ANCHOR_X, _ANCHOR_Y, _DIRECTION, _BEND, _SILENT = range(17, 28)
+SIZE = 28
 
 
 class Tally:
@@ -94,6 +96,8 @@ class Tally:
             elif event.kind == "collision":
                 self._acc[COLLISIONS] += 1.0
                 self._acc[MOVED_COLLISIONS] += float(event.data.get("moved") in ("robot", "both"))
+            elif event.kind == "no_rule":
+                self._acc[NO_RULE] += 1.0
 
     def result(self, energy_j: float = math.nan) -> dict[str, float]:
         """All metrics up to now; `energy_j` was drawn from the battery, where somebody knows."""
@@ -204,6 +208,14 @@ def count_duty(acc, duty):  # type: ignore[no-untyped-def]
         acc[_DUTIES] += 1.0
         if full:
             acc[SATURATED] += 1.0
+
+
+@leaf
+def count_no_rule(acc, silent):  # type: ignore[no-untyped-def]
+    """Count where a stretch begins in which a fuzzy controller has no rule to fire (`silent` is 1.0, else 0.0)."""
+    if silent > acc[_SILENT]:
+        acc[NO_RULE] += 1.0
+    acc[_SILENT] = silent
 
 
 @leaf

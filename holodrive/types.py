@@ -136,11 +136,15 @@ class Reference(NamedTuple):
 
 
 class Decision(NamedTuple):
-    """A controller's answer: the command, and whether it is done or in trouble (`fault` is for people)."""
+    """A controller's answer: the command, and whether it is done or in trouble (`fault` is for people).
+
+    `no_rule` is True while a fuzzy controller has no rule to fire and acts by its policy for that.
+    """
 
     command: Command
     arrived: bool = False
     fault: str = ""
+    no_rule: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +153,7 @@ class Event:
 
     Attributes:
         time: [s].
-        kind: "collision", "gate", "arrived", "fault", "stop".
+        kind: "collision", "gate", "arrived", "fault", "no_rule", "stop".
         text: for people.
         pose: of the robot, in the world.
         data: numbers that belong to it, such as place of contact [m] and who moved.

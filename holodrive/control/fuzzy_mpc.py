@@ -193,7 +193,7 @@ class FuzzyMpcController:
         if self.plug.barrier:
             last_word(obs, self._memory, self._fuzzy, command)
         self._last = turn @ command[:3]
-        return Decision(Twist(*command[:3].tolist()), arrived, fault)
+        return Decision(Twist(*command[:3].tolist()), arrived, fault, bool(command[layout.NO_RULE]))
 
     def _sees(self) -> bool:
         """Whether the fuzzy avoidance has a scan to drive by."""

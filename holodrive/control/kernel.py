@@ -37,7 +37,12 @@ class KernelController:
         fill_observation(self._observation, observation, estimate, reference)
         self.plug.kernel(self._observation, self.memory, self._params, self._command)
         out = self._command.tolist()
-        return Decision(self._as_command(out), out[layout.ARRIVED] != 0.0, self._fault(out[layout.FAULT]))
+        return Decision(
+            self._as_command(out),
+            out[layout.ARRIVED] != 0.0,
+            self._fault(out[layout.FAULT]),
+            out[layout.NO_RULE] != 0.0,
+        )
 
     def _fault(self, number: float) -> str:
         if not number:

@@ -42,6 +42,7 @@ METRICS: dict[str, Words] = {
         "nearest obstacle", "m", better="high", help="least gap from the footprint to anything", infinite="none"
     ),
     "collisions": Words("collisions", better="low", help="times that the robot touched something"),
+    "no_rule": Words("no rule fired", better="low", help="times that a fuzzy controller had no rule to fire"),
     "moved_collisions": Words("ran into", better="low", help="collisions in which the robot itself was moving"),
     "iae_m_s": Words("error integral (IAE)", "m·s", better="low", help="integral of the absolute position error"),
     "ise_m2_s": Words("squared error (ISE)", "m²·s", better="low", help="integral of the squared position error"),

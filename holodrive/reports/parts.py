@@ -56,9 +56,12 @@ def tiles(metrics: Mapping[str, float]) -> str:
     items = []
     for name in ordered(metrics):
         value = float(metrics[name])
+        if name == "no_rule" and value == 0.0:  # most controllers have no rules
+            continue
         unit, (text,) = told(name, [value])
         how = words(name)
-        bad = (name == "arrived" and value == 0.0) or (name in ("collisions", "moved_collisions") and value > 0.0)
+        wrong = ("collisions", "moved_collisions", "no_rule")
+        bad = (name == "arrived" and value == 0.0) or (name in wrong and value > 0.0)
         space = "" if unit == "°" else " "
         told_unit = f"<small>{space}{escape(unit)}</small>" if unit and text[-1].isdigit() else ""
         shown = escape(text) + told_unit

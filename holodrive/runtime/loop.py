@@ -74,12 +74,14 @@ class Loop:
         self._pipeline.reset()
         self._gate = GateState()
         self._began, self._arrived = None, False
+        self.decision = Decision(Twist(0.0, 0.0, 0.0))
 
     def step(self) -> Tick:
         """One control tick; what it saw and did goes to the sinks and is given back."""
         observation = self.base.observe()
         estimate = self.estimator.step(observation)
         reference = self.reference.step(self._since_start(observation), estimate.pose)
+        was_silent = self.decision.no_rule
         self.decision = self.controller.step(reference, estimate, observation)
         verdict = gate(self._for_motors(self.decision.command, observation), self._gate, self._limits)
         truth, twist = getattr(self.base, "truth", None), getattr(self.base, "true_twist", None)
@@ -102,6 +104,9 @@ class Loop:
             mice=observation.mice,
         )
         self._record(tick, observation)
+        if self.decision.no_rule and not was_silent:
+            text = "no fuzzy rule fires; the controller acts by its policy for that"
+            self._emit(Event(tick.time, "no_rule", text, tick.truth or tick.estimate.pose, {}))
         return tick
 
     def _since_start(self, observation: Observation) -> float:

@@ -141,6 +141,7 @@ def run_robot(  # type: ignore[no-untyped-def]
             obs[layout.REF_POSE + i] = reference[i]
         set_all(command, 0.0)
         controller(obs, memory, params, command)
+        metrics.count_no_rule(acc, command[layout.NO_RULE])
         look_around(model, obstacles, state, acc)
         metrics.tick(acc, obs[layout.TIME], pose, reference)
         send(model, state, events, command_kind, kin, command, wanted, pipe, speeds, steer)

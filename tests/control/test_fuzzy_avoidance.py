@@ -214,3 +214,14 @@ def test_the_loop_and_the_roll_out_drive_the_same_run_among_obstacles():
     rolled = hd.rollout(ROBOT, world, "fuzzy", n=1, seed=2, t=12.0, stop_on_arrival=True, log_every=1)
     count = len(loop.time)
     np.testing.assert_allclose(rolled.log[0][:count, 1:4], loop.pose, atol=1e-9)
+
+
+def test_times_without_a_rule_are_counted_alike_by_the_loop_and_the_roll_out():
+    """paper_viii unclamped fires nothing beyond 2500 mm: on the open floor from the first scan on."""
+    params = {"profile": "paper_viii", "clamp": False, "no_rule": "default"}
+    goal, time = (1.0, 0.0, 0.0), 2.0
+    run = hd.drive(hd.simulate(ROBOT, "open", seed=1), "fuzzy", goal=goal, params=params, duration_s=time)
+    rolled = hd.rollout(ROBOT, "open", "fuzzy", goals=goal, params=params, seed=1, t=time)
+    told = [event for event in run.events if event.kind == "no_rule"]
+    assert run.metrics["no_rule"] == len(told) == rolled.metrics["no_rule"][0] == 1.0
+    assert hd.rollout(ROBOT, "open", "fuzzy", goals=goal, seed=1, t=time).metrics["no_rule"][0] == 0.0

@@ -15,7 +15,9 @@ def test_equation_19_agrees_and_equation_23_has_two_wrong_signs():
     by_where = {}
     for claim in result.claims:
         by_where.setdefault(claim.where, []).append(claim)
-    assert all(claim.verdict == "agrees" for claim in by_where["Eq. 19"])
+    assert len(by_where["Eq. 19"]) == 8
+    off = [claim.what for claim in by_where["Eq. 19"] if claim.verdict != "agrees"]
+    assert off == ["wheel 1 per omega", "wheel 2 per omega", "wheel 3 per omega"]  # 4.52 needs 23.05 cm
     wrong = [claim.what for claim in by_where["Eq. 23"] if claim.verdict == "contradicts itself"]
     assert wrong == ["vx per wheel 3", "vy per wheel 3"]
     assert not np.allclose(np.linalg.inv(printed.EQ_19), printed.EQ_23, atol=1e-2)

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from machines import hybrid, with_motor
 
+import holodrive as hd
 from holodrive.kinematics import Chassis
 from holodrive.obstacles import clearance
 from holodrive.sim import SimBase
@@ -149,3 +150,18 @@ def test_a_loop_waits_at_its_first_key_frame_until_it_begins():
     world = World("late", movers=(Mover(0.2, path, loop=True),))
     gaps = clearance(world, np.array([0.0, 1.0, 2.0, 4.0, 6.0, 8.0]), np.zeros((6, 2)), 0.0)
     np.testing.assert_allclose(gaps, [0.8, 0.8, 0.8, 2.8, 0.8, 2.8], atol=1e-9)
+
+
+def test_a_standing_robot_that_is_pushed_against_a_wall_did_not_run_into_it():
+    """What a mover's push gives it is not the robot's own motion, not even in the tick of the push."""
+    mover = Mover(0.2, (KeyFrame(0.0, -1.5, 0.0), KeyFrame(3.0, 1.5, 0.0)), name="pusher")
+    robot = hd.load("hybrid3_table_x")
+    world = World("push", circles=(Circle(robot.footprint_radius_m + 0.21, 0.0, 0.2, "post"),), movers=(mover,))
+    base = hd.simulate(robot, world)
+    events = []
+    for _ in range(180):
+        base.apply(hd.WheelCommand(np.zeros(3)))
+        events += base.take_events()
+    touched = {event.data["obstacle"]: event.data["moved"] for event in events if event.kind == "collision"}
+    assert touched["pusher"] == "obstacle"
+    assert touched.get("post") not in ("robot", "both")

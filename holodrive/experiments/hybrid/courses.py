@@ -135,6 +135,7 @@ def judged(found: Sweep, moved_only: bool) -> dict[str, Any]:
         "success_pct": 100.0 * float(good.mean()),
         "interval_pct": f"{100.0 * low:.2f} to {100.0 * high:.2f}",
         "hit_pct": 100.0 * float(hit.mean()),
+        "touched_pct": 100.0 * float((found["collisions"][0] > 0).mean()),
         "not_there_pct": 100.0 * float(((found["arrived"][0] == 0.0) & ~hit).mean()),
         "time_s": _median(found["time_s"][0][good]),
         "length_over_straight": _median((found["path_length_m"] / found["straight_m"])[0][good]),
