@@ -47,6 +47,9 @@ NAVIGATORS = (
 )
 
 
+REPLAYED = ("FLC with goal blend", "FLC + PID", "PID")
+
+
 def trackers(gains: str) -> dict[str, Variant]:
     """PID and fuzzy-PD with the gains for "moving" references or for the "step"."""
     return {
@@ -197,7 +200,7 @@ def _moving(track: Track, setting: Setting) -> Result:
     )
     sections: tuple[Section, ...] = (
         TableSection(track.title, table(rows), note),
-        ComparisonSection(tuple(first.values()), tuple(first), f"{track.title}, paths"),
+        ComparisonSection(tuple(first[name] for name in REPLAYED), REPLAYED, f"{track.title}, paths"),
     )
     return Result(sections=sections, data={"rows": rows})
 
