@@ -2,6 +2,7 @@
 
 import functools
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import click
@@ -69,13 +70,20 @@ def out_option(text: str, required: bool = False) -> Callable[[Function], Functi
 
 
 def checked_ending(path: str | None, option: str, *endings: str) -> None:
-    """Refuse a file to write whose ending is not one of these: it may be something else that would be lost.
+    """Refuse a file to write before any work: its ending is not one of these, or there is no folder to write it to.
+
+    Another ending may be something else that would be lost; without a folder the work itself would be.
 
     Raises:
         InputError: naming the option and what is allowed.
     """
-    if path and not path.lower().endswith(endings):
+    if not path:
+        return
+    if not path.lower().endswith(endings):
         raise InputError(f"{option} writes {' or '.join(endings)}; found {path!r}")
+    if not Path(path).parent.is_dir():
+        folder = str(Path(path).parent)
+        raise InputError(f"{option} cannot write {path}: no folder {folder!r}; make it, or choose another place")
 
 
 def split_settings(settings: Sequence[str]) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -112,11 +112,12 @@ def _bar(label: str, total: float, unit: str) -> Iterator[Callable[[float], None
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+    digits = _digits(unit)
     columns = (
         TextColumn(f"{label:<{LABEL - 1}}"),
         BarColumn(),
         TextColumn("{task.percentage:>3.0f} %"),
-        TextColumn("{task.completed:.1f} of {task.total:.1f} " + unit),
+        TextColumn(f"{{task.completed:{digits}}} of {{task.total:{digits}}} {unit}"),
         TimeElapsedColumn(),
     )
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
@@ -132,14 +133,20 @@ def _bar(label: str, total: float, unit: str) -> Iterator[Callable[[float], None
         yield update
 
 
+def _digits(unit: str) -> str:
+    """How progress is written: seconds with a decimal, counts without."""
+    return ".1f" if unit.startswith("s ") else ".0f"
+
+
 def _lines(out: Output, label: str, total: float, unit: str) -> Callable[[float], None]:
-    last = 0.0
+    last, digits = 0.0, _digits(unit)
 
     def update(done: float) -> None:
         nonlocal last
         last = last or time.monotonic()  # counts from the first call: what comes before it is not progress
         if (now := time.monotonic()) - last > STEP_S:
             last = now
-            out.note(f"{label:<{LABEL}}{100.0 * done / total:3.0f} %  {done:.1f} of {total:.1f} {unit}".rstrip())
+            share = f"{100.0 * done / total:3.0f} %  {done:{digits}} of {total:{digits}} {unit}"
+            out.note(f"{label:<{LABEL}}{share}".rstrip())
 
     return update

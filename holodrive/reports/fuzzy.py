@@ -39,6 +39,13 @@ class FuzzySection:
     clamp: bool = True
     name: str = ""
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.system, System):
+            raise InputError(f"a FuzzySection shows a system, such as fuzzy.load('repaired'); found {self.system!r}")
+        names = [v.name for v in self.system.inputs]
+        if self.at is not None and np.shape(self.at) != (len(names),):
+            raise InputError(f"at is one number for each of {', '.join(names)}; found {self.at!r}")
+
     @property
     def title(self) -> str:
         """The heading."""

@@ -11,6 +11,7 @@ import numpy as np
 from holodrive import perception, svg
 from holodrive.errors import InputError
 from holodrive.geometry import compose
+from holodrive.log import view as views
 from holodrive.log.drawing import Trace, best_pose, bounds_of, drawn, framed
 from holodrive.log.run import Run
 from holodrive.log.shapes import BLUE, GREEN, LABEL, ORANGE, VERMILION, ghost_shape, mover_place, world_shapes
@@ -176,8 +177,9 @@ def polar_svg(one: Look, limits: "Sectors | None" = None, size: float = 460.0) -
 
 def floor_svg(run: Run, one: Look, width: float = 460.0, height: float = 480.0) -> str:
     """The scan's points in the world, and the circles fitted to them beside the obstacles that are there."""
-    view = View.fit(bounds_of([run]), width, height, header=26.0)
     place = compose(one.pose, np.column_stack([one.points, np.zeros(len(one.points))]))[:, :2]
+    seen = views.around([place], 0.05)
+    view = View.fit(views.union(seen, bounds_of([run])), width, height, header=26.0)
     dots = "".join(svg.path_data(p[None, :]) for p in view.pixels(place))
     fitted = [
         svg.element("circle", class_="truth", cx=view.x(f.x), cy=view.y(f.y), r=f.radius * view.scale, fill="none",

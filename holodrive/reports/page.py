@@ -86,10 +86,19 @@ def report(content: Run | Section | Iterable[Run | Section], title: str = "", le
         content: a run, a section, or several of either.
         title: of the page; by default what ran.
         lead: one or two sentences under the title.
+
+    Raises:
+        InputError: nothing to show, or something that is neither a run nor a section.
     """
-    items = [content] if isinstance(content, Run) or hasattr(content, "html") else list(content)
+    items = list(content) if isinstance(content, Iterable) and not isinstance(content, str) else [content]
     if not items:
         raise InputError("a report needs at least one run or section, found none")
+    for item in items:
+        if not isinstance(item, Run) and not hasattr(item, "html"):
+            raise InputError(
+                f"a report shows runs and sections; found {type(item).__name__} "
+                "(a fuzzy system: holodrive.reports.fuzzy.FuzzySection(system))"
+            )
     runs = [item for item in items if isinstance(item, Run)]
     names = run_names(runs) if len(runs) > 1 else ("",) * len(runs)
     sections: list[Section] = []
@@ -97,7 +106,7 @@ def report(content: Run | Section | Iterable[Run | Section], title: str = "", le
         sections.append(ComparisonSection(tuple(runs), names))
     name_of = iter(names)
     for item in items:
-        sections.append(RunSection(item, next(name_of)) if isinstance(item, Run) else item)  # type: ignore[arg-type]
+        sections.append(RunSection(item, next(name_of)) if isinstance(item, Run) else item)
     return Report(title or _title(runs, sections), tuple(sections), lead)
 
 

@@ -70,13 +70,16 @@ def tiles(metrics: Mapping[str, float]) -> str:
     return f'<dl class="tiles">{"".join(items)}</dl>' if items else ""
 
 
-def player(picture_: str, side: str, data: str, *, lidar: bool, wide: bool = False) -> str:
-    """The path picture with its replay controls; without scripts the picture stays."""
+def player(picture_: str, side: str, data: str, *, lidar: bool, width: str = "") -> str:
+    """The path picture with its replay controls; without scripts the picture stays.
+
+    `width` of the side: "" for readings, "wide" for a table, "below" for one that leaves no room beside it.
+    """
     speeds = "".join(
         f'<option value="{v:g}"{" selected" if v == 1 else ""}>{v:g} ×</option>' for v in (0.25, 0.5, 1, 2, 4, 8, 16)
     )
     beams = '<label><input type="checkbox" class="lidar" checked> lidar</label>' if lidar else ""
-    aside = f'<div class="side{" wide" if wide else ""}">{side}</div>' if side else ""
+    aside = f'<div class="{f"side {width}".rstrip()}">{side}</div>' if side else ""
     return (
         '<div class="replay" role="group" aria-label="Replay of the run">'
         f'<div class="stage"><div class="map">{picture_}</div>{aside}</div>'

@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from holodrive import svg
+from holodrive.log.shapes import text_width
 from holodrive.types import Array
 
 # Okabe and Ito's palette, told apart by colour-blind readers; the page's style has a second one for the dark
@@ -14,6 +15,7 @@ COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#8
 DASHES = (None, "7 3", "2 3", "9 3 2 3")
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 46.0, 10.0, 46.0, 34.0  # px about the plot area
+_LEGEND_ROW = 16.0  # px
 _NUMBER: dict[str, object] = {"class_": "number", "font_size": 11, "fill": "#5b6675", "font_family": "sans-serif"}
 
 
@@ -69,7 +71,7 @@ class Chart:
         parts = [
             svg.text(8, 17, self.title + (f", {self.unit}" if self.unit else ""), class_="chart-title", font_size=13,
                      font_weight=600, fill="#1d2530", font_family="sans-serif"),
-            _legend(lines, box.left, 35.0) if len(lines) > 1 or any(line.name for line in lines) else "",
+            _legend(lines, self.width, 35.0) if len(lines) > 1 or any(line.name for line in lines) else "",
             box.grid(self),
             *(self._mark(box, time) for time in self.marks if box.x0 <= time <= box.x1),
             *(_curve(box, line) for line in lines),
@@ -129,7 +131,8 @@ class Axes:
         air = 0.06 * (y1 - y0)
         y0 = y0 if y0 in (chart.low, 0.0) else y0 - air
         y1 = y1 if y1 == chart.high else y1 + air
-        top = _TOP if len(lines) > 1 or any(line.name for line in lines) else _TOP - 18.0
+        named = len(lines) > 1 or any(line.name for line in lines)
+        top = _TOP + _LEGEND_ROW * (_legend_places(lines, chart.width)[-1][1] if named else 0) - 18.0 * (not named)
         return cls(_LEFT, top, chart.width - _LEFT - _RIGHT, chart.height - top - _BOTTOM, x0, x1, y0, y1)
 
     def column(self, x: Array) -> Array:
@@ -154,7 +157,7 @@ class Axes:
             for row, y in zip(rows.tolist(), ys.tolist(), strict=True)
         ]
         texts += [
-            svg.text(column, bottom + 16, svg.number(x, x_decimals), text_anchor="middle", **_NUMBER)
+            _column_number(column, bottom + 16, svg.number(x, x_decimals), chart.width)
             for column, x in zip(columns.tolist(), xs.tolist(), strict=True)
         ]
         name = f"{chart.x_name}, {chart.x_unit}" if chart.x_unit else chart.x_name
@@ -221,17 +224,34 @@ def _framing(lines: Sequence[Line]) -> list[Array]:
     return solid + pale
 
 
-def _legend(lines: Sequence[Line], left: float, row: float) -> str:
-    parts, x = [], left
+def _column_number(column: float, row: float, number: str, width: float) -> str:
+    """A number under its tick, moved to the left where it would be cut off at the edge of the chart."""
+    return svg.text(min(column, width - 0.5 * text_width(number) - 1.0), row, number, text_anchor="middle", **_NUMBER)
+
+
+def _legend_places(lines: Sequence[Line], width: float) -> list[tuple[float, int]]:
+    """Where each named line's entry begins [px], and in which row; at least one place."""
+    places, x, row = [], _LEFT, 0
     for line in (one for one in lines if one.name):
+        wide = 23.0 + 6.6 * len(line.name)
+        if x > _LEFT and x + wide > width - 2.0:
+            x, row = _LEFT, row + 1
+        places.append((x, row))
+        x += wide + 14.0
+    return places or [(_LEFT, 0)]
+
+
+def _legend(lines: Sequence[Line], width: float, top: float) -> str:
+    parts, named = [], [one for one in lines if one.name]
+    for line, (x, row) in zip(named, _legend_places(lines, width), strict=False):
+        y = top + _LEGEND_ROW * row
         parts.append(
             svg.element("path", class_=f"line c{line.colour % len(COLOURS)}" + (" pale" if line.pale else ""),
-                        d=f"M{x:.1f} {row - 4:.1f}h18", stroke=COLOURS[line.colour % len(COLOURS)],
+                        d=f"M{x:.1f} {y - 4:.1f}h18", stroke=COLOURS[line.colour % len(COLOURS)],
                         stroke_width=3.5 if line.pale else 2, stroke_opacity=0.35 if line.pale else None,
                         stroke_dasharray=line.dash)
-            + svg.text(x + 23, row, line.name, **(_NUMBER | {"class_": "label", "fill": "#1d2530"}))
+            + svg.text(x + 23, y, line.name, **(_NUMBER | {"class_": "label", "fill": "#1d2530"}))
         )  # fmt: skip
-        x += 23 + 6.6 * len(line.name) + 14
     return svg.element("g", *parts, class_="legend")
 
 

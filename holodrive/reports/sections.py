@@ -19,6 +19,8 @@ from holodrive.reports.plots import Chart, Line
 from holodrive.reports.tables import Table, metric_table
 from holodrive.types import Array
 
+BELOW_FROM = 4  # that many runs' metrics leave no room for the map beside them
+
 
 class Section(Protocol):
     """A part of a page with a heading."""
@@ -78,7 +80,10 @@ class ComparisonSection:
     def html(self) -> str:
         """What stands under the heading."""
         names = self.names or run_names(self.runs)
-        explain = "▲ marks the best value of a row; percentages are differences from the first run."
+        explain = (
+            "▲ marks the best value of a row among the runs that arrived and ran into nothing, where there are such; "
+            "percentages are differences from the first run."
+        )
         table = metric_table(self.runs, names).html() + parts.note(explain)
         charts = ChartGroup("Side by side", "One line a run.", compared(self.runs, names))
         return parts.note(self.note) + self._pictures(names, table) + parts.chart_group(charts)
@@ -87,7 +92,8 @@ class ComparisonSection:
         if scene.together(self.runs):
             overlay, view = scene.comparison_scene(self.runs, names)
             data = replay.data(self.runs, names, view, self.runs[0].world)
-            return parts.player(overlay, table, data, lidar=False, wide=True)
+            width = "wide" if len(self.runs) < BELOW_FROM else "wide below"
+            return parts.player(overlay, table, data, lidar=False, width=width)
         figures = "".join(
             f"<figure><figcaption>{escape(name)}</figcaption>{picture(run, 420, 420)}</figure>"
             for name, run in zip(names, self.runs, strict=True)

@@ -128,18 +128,23 @@ def table(rows: Sequence[Mapping[str, Any]], columns: Sequence[str] | None = Non
 
 
 def metric_table(runs: Sequence[Run], names: Sequence[str], title: str = "") -> Table:
-    """One row a metric, one column a run; the best value of a row is marked, differences are to the first run."""
+    """One row a metric, one column a run; the best value of a row is marked, differences are to the first run.
+
+    A run that ran into something or did not arrive is no rival of one that arrived unharmed: it is soon at its end.
+    """
     merged: dict[str, float] = {}
     for run in runs:
         merged |= run.metrics
     cells, data, best = [], [], set()
+    fair = _fair(runs)
     for i, name in enumerate(ordered(merged)):
         values = [float(run.metrics.get(name, math.nan)) for run in runs]
         unit, texts = told(name, values)
         shown = [joined(text, unit) for text in texts]
         for j in range(1, len(runs)):
             shown[j] += _difference(values[0], values[j])
-        best |= {(i, j + 1) for j in _best(name, values, texts)}
+        competing = [value if ok else math.nan for value, ok in zip(values, fair, strict=True)]
+        best |= {(i, j + 1) for j in _best(name, competing, texts) if fair[j]}
         cells.append((words(name).label, *shown))
         data.append({"metric": name, **dict(zip(names, values, strict=True))})
     numeric = (False, *(True for _ in runs))
@@ -157,6 +162,13 @@ def plain(value: Any) -> Any:
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     return value if value is None or isinstance(value, bool | int | str) else str(value)
+
+
+def _fair(runs: Sequence[Run]) -> list[bool]:
+    """Which runs compete for the best values: those that arrived unharmed, else the unharmed ones, else all."""
+    unharmed = [not run.metrics.get("moved_collisions", run.metrics.get("collisions", 0.0)) > 0.0 for run in runs]
+    there = [ok and run.metrics.get("arrived", 0.0) > 0.0 for ok, run in zip(unharmed, runs, strict=True)]
+    return next((some for some in (there, unharmed) if any(some)), [True for _ in runs])
 
 
 def _best(name: str, values: Sequence[float], texts: Sequence[str]) -> list[int]:

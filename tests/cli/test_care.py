@@ -68,3 +68,30 @@ def test_logs_of_one_name_in_two_folders_stay_two(tmp_path, capsys):
     capsys.readouterr()
     assert main(["compare", *(str(tmp_path / day / "run.mcap") for day in ("monday", "tuesday")), "--json"]) == 0
     assert len(json.loads(capsys.readouterr().out)["runs"]) == 2
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["run", "hybrid3", "--goal", "0.1,0", "--report", "FILE.html"],
+        ["compare", "hybrid3", "--goal", "0.1,0", "-o", "FILE.html"],
+        ["tune", "hybrid3", "--goal", "0.1,0", "-o", "FILE.json"],
+        ["tune", "hybrid3", "--goal", "0.1,0", "--report", "FILE.html"],
+        ["reproduce", "hybrid", "--table", "X", "-o", "FILE.html"],
+        ["explain", "repaired", "-o", "FILE.fis"],
+    ],
+)
+def test_a_place_that_cannot_be_written_to_is_refused_before_the_work(words, tmp_path, capsys, monkeypatch):
+    """Not after it, when it would be lost."""
+    monkeypatch.setattr(hd, "drive", None)
+    target = str(tmp_path / "nowhere" / "result")
+    assert main([word.replace("FILE", target) for word in words]) == 2
+    assert "no folder" in capsys.readouterr().err
+
+
+def test_a_run_says_first_what_is_wrong_with_its_words(capsys):
+    """An unknown controller before a missing goal, and the goal in the words of the command line."""
+    assert main(["run", "hybrid3", "-c", "fuzzzy"]) == 2
+    assert "'fuzzzy'" in capsys.readouterr().err
+    assert main(["run", "hybrid3", "-c", "pid"]) == 2
+    assert "--goal X,Y" in capsys.readouterr().err

@@ -98,3 +98,9 @@ def test_wrong_input_is_one_clear_line(cli: Cli, words: list[str], why: str) -> 
     assert answer.code == 2
     assert why in answer.err
     assert "Traceback" not in answer.err
+
+
+def test_the_hint_asks_the_same_again(cli: Cli) -> None:
+    """Without clamping, if that was asked."""
+    assert "--no-clamp -o" in cli("explain", "repaired", "--at", "DH=700,DL=300,DR=3000", "--no-clamp").err
+    assert "--no-clamp" not in cli("explain", "repaired", "--at", "DH=700,DL=300,DR=3000").err

@@ -33,7 +33,8 @@ def _in_an_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
 def test_list_names_every_kind(cli: Cli) -> None:
     """With a title for each entry."""
     found = json.loads(cli("list", "--json").out)
-    assert set(found) == {"robots", "worlds", "controllers", "estimators", "motors", "sensors"}
+    kinds = {"robots", "worlds", "controllers", "fuzzy", "planners", "estimators", "motors", "sensors"}
+    assert set(found) == kinds
     assert all(entry["name"] and entry["title"] for kind in found.values() for entry in kind)
     assert {"hybrid3", "mecanum4", "swerve4"} <= {entry["name"] for entry in found["robots"]}
 

@@ -108,3 +108,14 @@ def test_a_wrong_surface_is_one_clear_line():
         surface(system, ("DH", "DX"))
     with pytest.raises(InputError, match="twice"):
         surface(system, ("DH", "DH"))
+
+
+@pytest.mark.parametrize("at", [(420.0, 450.0), (1.0, 2.0, 3.0, 4.0), 420.0])
+def test_a_point_that_is_not_one_number_for_each_input_is_refused(at):
+    with pytest.raises(InputError, match="at is one number for each of DH, DL, DR"):
+        FuzzySection(fuzzy.load("repaired"), at)
+
+
+def test_a_name_is_no_system():
+    with pytest.raises(InputError, match=r"fuzzy.load\('repaired'\); found 'repaired'"):
+        FuzzySection("repaired")

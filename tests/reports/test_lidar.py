@@ -119,3 +119,16 @@ def test_a_run_without_scans_says_so(make):
 def test_pages_of_runs_with_scans_have_the_scan(run, parse):
     """Where a reader of the run finds it."""
     assert "ahead is up" in parse(report(run).html).text
+
+
+def test_the_floor_holds_what_a_robot_saw_that_has_not_moved(standing):
+    """A short run in a large world is drawn alone, but with what it saw."""
+    still = np.tile(np.array(POSE), (len(standing.time), 1))
+    world = replace(standing.world, size=(12.0, 9.0))
+    run = replace(standing, pose=still, estimate=still, reference=still, world=world)
+    tree = ElementTree.fromstring(floor_svg(run, look(run)))
+    fitted = [c for c in tree.iter() if c.tag.endswith("circle") and c.get("class") == "truth"]
+    assert len(fitted) >= len(PILLARS)
+    left, top, wide, high = (float(v) for v in tree.get("viewBox").split())
+    for x, y, r in (tuple(float(c.get(key)) for key in ("cx", "cy", "r")) for c in fitted):
+        assert r > wide or (left + r <= x <= left + wide - r and top + r <= y <= top + high - r)

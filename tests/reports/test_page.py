@@ -184,3 +184,16 @@ def test_notebooks_get_the_page_in_a_frame(run, parse):
 
 def test_every_known_metric_has_words():
     assert all(how.label and how.help for how in METRICS.values())
+
+
+@pytest.mark.parametrize(("count", "side"), [(2, "side wide"), (5, "side wide below")])
+def test_a_wide_table_of_metrics_stands_below_the_map(count, side, make):
+    """Beside it, five runs' columns leave the map no room."""
+    runs = [make(seed=seed, seconds=1.0, scans=False) for seed in range(count)]
+    assert f'<div class="{side}">' in report(runs).html
+
+
+@pytest.mark.parametrize("thing", [3, "run.mcap", [3], object()])
+def test_what_is_neither_run_nor_section_is_refused_by_name(thing):
+    with pytest.raises(InputError, match=r"shows runs and sections; found"):
+        report(thing)

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from holodrive import svg
+from holodrive.log.shapes import text_width
 from holodrive.log.view import View
 from holodrive.reports.plots import Axes, Chart, Line, decimate
 
@@ -115,3 +116,22 @@ def test_the_same_metres_are_the_same_pixels_both_ways():
 )
 def test_numbers_are_written_for_reading(value, decimals, text):
     assert svg.number(value, decimals) == text
+
+
+@pytest.mark.parametrize(
+    "names", [("N", "M", "F"), ("FLC with goal blend", "FLC + PID", "FLC + MPC", "PID", "fuzzy-PD")]
+)
+def test_no_name_and_no_number_is_cut_off_at_the_edge(names):
+    """Names that do not fit begin another row; the last number moves to the left."""
+    x = np.array([0.0, 2500.0])
+    chart = Chart("DH", "", tuple(Line(name, x, x, colour=i) for i, name in enumerate(names)), "DH", "mm", width=360.0)
+    tree = ElementTree.fromstring(chart.svg())
+    texts = [node for node in tree.iter() if node.tag.endswith("text") and (node.text in names or node.text == "2500")]
+    assert len(texts) >= len(names) + 1
+    for node in texts:
+        half = node.get("text-anchor") == "middle"
+        right = float(node.get("x")) + text_width(node.text) * (0.5 if half else 1.0)
+        assert node.get("text-anchor") == "end" or right <= 360.0
+    rows = {node.get("y") for node in texts if node.text in names}
+    top = float(tree.get("data-y0"))
+    assert max(float(y) for y in rows) < top

@@ -1,6 +1,7 @@
 """Tables: one truth, five faces."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -80,3 +81,19 @@ def test_numbers_are_told_with_sensible_digits_and_units(name, value, text):
 def test_an_unknown_metric_is_read_from_its_name():
     assert (words("top_slip_m_s").label, words("top_slip_m_s").unit) == ("top slip", "m/s")
     assert told("odd", [1.0, 2.0]) == ("", ["1", "2"])
+
+
+def test_a_run_that_is_soon_at_its_end_because_it_hit_something_is_not_the_best(make):
+    """Nor one that did not arrive; where no run arrived unharmed, all compete."""
+    first, second, third = (make(seed=seed, seconds=2.0, scans=False) for seed in range(3))
+    ends = ((30.0, 1.0, 0.0), (20.0, 1.0, 0.0), (5.0, 1.0, 1.0))
+    runs = [
+        replace(run, metrics={"time_s": time, "arrived": arrived, "moved_collisions": hits})
+        for run, (time, arrived, hits) in zip((first, second, third), ends, strict=True)
+    ]
+    shown = metric_table(runs, ("slow", "quick", "crash"))
+    row = [cells[0] for cells in shown.cells].index("time")
+    assert {column for i, column in shown.best if i == row} == {2}
+    crashed = [replace(run, metrics=run.metrics | {"moved_collisions": 1.0}) for run in runs]
+    shown = metric_table(crashed, ("slow", "quick", "crash"))
+    assert {column for i, column in shown.best if i == row} == {3}

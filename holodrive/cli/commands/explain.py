@@ -54,7 +54,7 @@ def command(
             out.text("\n".join(map(str, found)) or "lint    nothing found")
         if path:
             out.line("wrote", path)
-    out.next(_next(system, loaded, at, path))
+    out.next(_next(system, loaded, at, path, no_clamp))
     return int(only_lint and any(one.severity == "error" for one in found))
 
 
@@ -164,10 +164,10 @@ def _plain(one: "Finding") -> dict[str, Any]:
     return {name: getattr(one, name) for name in names}
 
 
-def _next(name: str, system: "System", at: str | None, path: str | None) -> str:
+def _next(name: str, system: "System", at: str | None, path: str | None, no_clamp: bool) -> str:
     if path and path.lower().endswith((".html", ".svg")):
         return f"open {path}"
     if at is None:
         middle = ",".join(f"{v.name}={0.5 * (v.low + v.high):g}" for v in system.inputs)
         return f"holodrive explain {name} --at {middle}"
-    return f"holodrive explain {name} --at {at} -o explained.html"
+    return f"holodrive explain {name} --at {at}{' --no-clamp' * no_clamp} -o explained.html"

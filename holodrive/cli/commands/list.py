@@ -53,6 +53,18 @@ def _sensor_line(sensor: Any) -> str:
     return f"{kind}, {source}" if source else kind
 
 
+def _planners() -> Rows:
+    from holodrive import planning
+
+    return [(name, _first_line(planner)) for name, planner in planning.PLANNERS.items()]
+
+
+def _fuzzy() -> Rows:
+    from holodrive.control import fuzzy
+
+    return [(name, fuzzy.load(name).source) for name in fuzzy.names()]
+
+
 def _first_line(thing: Any) -> str:
     return (thing.__doc__ or "").strip().partition("\n")[0].rstrip(".")
 
@@ -61,6 +73,8 @@ KINDS: dict[str, Callable[[], Rows]] = {
     "robots": lambda: _described("robots"),
     "worlds": lambda: _described("worlds"),
     "controllers": _controllers,
+    "fuzzy": _fuzzy,
+    "planners": _planners,
     "estimators": _estimators,
     "motors": _motors,
     "sensors": _sensors,
@@ -70,7 +84,7 @@ KINDS: dict[str, Callable[[], Rows]] = {
 @verb("list", ["", "robots --json"])
 @click.argument("kinds", nargs=-1, type=click.Choice(list(KINDS)), metavar="[robots|worlds|controllers|...]...")
 def command(out: Output, kinds: tuple[str, ...]) -> None:
-    """List what is there by name: robots, worlds, controllers, estimators, motors, sensors (all when none is named)."""
+    """List what is there by name: robots, worlds, controllers, fuzzy profiles, planners, estimators, parts."""
     found = {kind: KINDS[kind]() for kind in kinds or KINDS}
     if out.json:
         out.data({kind: [{"name": name, "title": title} for name, title in rows] for kind, rows in found.items()})

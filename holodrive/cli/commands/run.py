@@ -144,9 +144,15 @@ def _by_controller(
 
 
 def _goals(out: Output, base: "SimBase", options: dict[str, Any]) -> dict[str, Any]:
+    from holodrive import control
+
+    control.plug_class(options["controller"])
     asked = [name for name in ("goal", "via", "shape") if options[name]]
     if len(asked) > 1:
         raise InputError("a run has one reference: --goal, --via or --path")
+    if not asked and (base.world is None or base.world.goal is None):
+        name = base.world.name if base.world else "open"
+        raise InputError(f"world {name!r} has no goal; say where to: --goal X,Y, --via X,Y, --path, or another --world")
     if options["planner"]:
         if options["via"] or options["shape"]:
             raise InputError("--plan finds the way to --goal or to the world's goal by itself: no --via, no --path")
