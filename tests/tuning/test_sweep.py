@@ -9,7 +9,7 @@ import holodrive as hd
 from holodrive import worlds
 from holodrive.errors import InputError, UnknownName
 from holodrive.tuning import Job, Places, Sweep, Threads, job, sweep
-from holodrive.tuning.task import Task, run_task
+from holodrive.tuning.task import COLUMNS, Task, run_task
 
 
 @pytest.fixture(scope="module")
@@ -116,4 +116,4 @@ def test_bad_jobs_are_refused_before_anything_runs(courses: Job) -> None:
         with pytest.raises(InputError, match="job"):
             Job.from_json(text)
     with pytest.raises(UnknownName, match="rms_error_m"):
-        Sweep(courses, np.zeros((2, 10, 18)))["rms_eror_m"]
+        Sweep(courses, np.zeros((2, 10, len(COLUMNS))))["rms_eror_m"]
