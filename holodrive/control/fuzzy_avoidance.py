@@ -25,6 +25,7 @@ Motor = Literal["own", "22rpm", "deg_s", "mm_s", "table_x"]
 OMEGA_RAD_S = {"22rpm": 22.0 * math.pi / 30.0, "deg_s": math.radians(300.0), "table_x": 7.82}
 EVADE_SPEED = 1.35  # of evasive motions, in shares of cruising speed
 FAR_M = 3.0  # what the paper's program takes for no return; its universe ends at 2.5 m
+INPUT_NAMES, OUTPUT_NAMES = ("DH", "DL", "DR"), ("L", "R")  # distances ahead, left, right; left and right wheel
 FULL_MM_S = 300.0  # outputs as mm/s of a differential drive's wheels
 
 # what a number is when neither the user nor the profile says it
@@ -311,7 +312,8 @@ def _lidar(robot: Robot) -> Lidar:
     if robot.lidar is None:
         raise InputError(
             f"robot {robot.name} has no lidar, and fuzzy avoidance cannot see without one; give it one: "
-            'overrides={"sensor.lidar.model": "rplidar-a1"} or [sensor.lidar] in its file'
+            '--set sensor.lidar.model=rplidar-a1, overrides={"sensor.lidar.model": "rplidar-a1"} or [sensor.lidar] '
+            "in its file"
         )
     return robot.lidar
 
@@ -334,13 +336,35 @@ def _cruise(system: System, full: float) -> float:
 
 @lru_cache(maxsize=64)
 def _system(profile: str, compat: bool, breaks: tuple[float, ...] | None) -> System:
-    system = fuzzy.load(profile, fuzzylab_compat=compat)
-    if (len(system.inputs), len(system.outputs)) != (3, 2):
-        raise InputError(
-            f"fuzzy system {profile!r} has {len(system.inputs)} inputs and {len(system.outputs)} outputs; "
-            "avoidance takes DH, DL, DR and gives L, R"
-        )
+    system = _wired(fuzzy.load(profile, fuzzylab_compat=compat), profile)
     return system if breaks is None else profiles.with_breaks(system, *breaks)
+
+
+def _wired(system: System, profile: str) -> System:
+    """The system with its variables in the order of the wires, found by name; units other than mm are refused."""
+    inputs, outputs = [one.name for one in system.inputs], [one.name for one in system.outputs]
+    if sorted(inputs) != sorted(INPUT_NAMES) or sorted(outputs) != sorted(OUTPUT_NAMES):
+        raise InputError(
+            f"fuzzy system {profile!r} has the inputs {', '.join(inputs)} and the outputs {', '.join(outputs)}; "
+            f"avoidance takes {', '.join(INPUT_NAMES)} [mm] and gives {', '.join(OUTPUT_NAMES)}"
+        )
+    for one in system.inputs:
+        if one.unit not in ("", "mm"):
+            raise InputError(f"input {one.name} of fuzzy system {profile!r} is in {one.unit}; avoidance measures in mm")
+    if (inputs, outputs) == (list(INPUT_NAMES), list(OUTPUT_NAMES)):
+        return system
+    into = [inputs.index(name) for name in INPUT_NAMES]
+    out = [outputs.index(name) for name in OUTPUT_NAMES]
+    rules = tuple(
+        replace(rule, inputs=tuple(rule.inputs[i] for i in into), outputs=tuple(rule.outputs[i] for i in out))
+        for rule in system.rules
+    )
+    return replace(
+        system,
+        inputs=tuple(system.inputs[i] for i in into),
+        outputs=tuple(system.outputs[i] for i in out),
+        rules=rules,
+    )
 
 
 class LastTick(NamedTuple):

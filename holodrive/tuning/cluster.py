@@ -1,6 +1,7 @@
 """An existing Dask cluster as a backend: tasks go out as text, rows of numbers come back."""
 
 import asyncio
+import re
 from collections.abc import Sequence
 from types import TracebackType
 from typing import Any, Self
@@ -12,6 +13,8 @@ from holodrive.types import Array
 
 TIMEOUT_S = 5.0  # for a scheduler to answer, and for a worker to be there
 RETRIES = 3  # of a task whose worker has died
+
+_ADDRESS = re.compile(r"(\w+://)?[^\s/]+:\d+")
 
 
 class Cluster:
@@ -69,6 +72,8 @@ class Cluster:
         return [row for row in rows if row is not None]
 
     def _connected(self, address: str, timeout_s: float) -> Any:
+        if not _ADDRESS.fullmatch(address):  # a client that is refused its address leaves a trace behind
+            raise InputError(f"{address!r} is no address of a Dask scheduler; such as tcp://host:8786")
         try:
             return self._distributed.Client(address, timeout=timeout_s, set_as_default=False)
         except (OSError, TimeoutError, ValueError) as error:

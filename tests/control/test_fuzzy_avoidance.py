@@ -8,7 +8,8 @@ import pytest
 
 import holodrive as hd
 from holodrive import control
-from holodrive.control import fuzzy_avoidance
+from holodrive.control import fuzzy, fuzzy_avoidance
+from holodrive.control.fuzzy import files
 from holodrive.control.fuzzy_avoidance import DifferentialView, FuzzyAvoidance
 from holodrive.errors import HolodriveError, InputError
 from holodrive.types import Estimate, Observation, Pose, Reference, Scan, Twist, WheelState
@@ -225,3 +226,25 @@ def test_times_without_a_rule_are_counted_alike_by_the_loop_and_the_roll_out():
     told = [event for event in run.events if event.kind == "no_rule"]
     assert run.metrics["no_rule"] == len(told) == rolled.metrics["no_rule"][0] == 1.0
     assert hd.rollout(ROBOT, "open", "fuzzy", goals=goal, seed=1, t=time).metrics["no_rule"][0] == 0.0
+
+
+def test_a_fuzzy_file_is_wired_by_the_names_of_its_variables(tmp_path):
+    """The order in which a file lists DL, DH, DR and R, L does not matter; other names and units are refused."""
+    system = fuzzy.load("repaired")
+    into, out = (1, 0, 2), (1, 0)
+    other = replace(
+        system,
+        inputs=tuple(system.inputs[i] for i in into),
+        outputs=tuple(system.outputs[i] for i in out),
+        rules=tuple(
+            replace(r, inputs=tuple(r.inputs[i] for i in into), outputs=tuple(r.outputs[i] for i in out))
+            for r in system.rules
+        ),
+    )
+    files.write(other, tmp_path / "reordered.fis")
+    scan = scan_of([(0.9, 0.1, 0.15), (0.4, 0.6, 0.15)])
+    assert tick(fresh(profile=str(tmp_path / "reordered.fis")), scan).command == tick(fresh(), scan).command
+    renamed = replace(system, inputs=(replace(system.inputs[0], name="front"), *system.inputs[1:]))
+    files.write(renamed, tmp_path / "renamed.fis")
+    with pytest.raises(InputError, match="inputs front, DL, DR"):
+        fresh(profile=str(tmp_path / "renamed.fis"))

@@ -71,7 +71,7 @@ def test_nobody_there(courses: Job, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "TIMEOUT_S", 0.3)
     with pytest.raises(InputError, match=r"no Dask scheduler answers at 'tcp://127\.0\.0\.1:9'.*dask scheduler"):
         sweep(courses, "tcp://127.0.0.1:9")
-    with pytest.raises(InputError, match="no Dask scheduler"):
+    with pytest.raises(InputError, match="no address of a Dask scheduler"):
         sweep(courses, "not an address")
 
 

@@ -12,6 +12,7 @@ from holodrive.experiments.hybrid import courses, printed, robots, variants
 from holodrive.experiments.pictures import Gallery, paths_over
 from holodrive.planning import Plan
 
+ABC_NOTE = "followed by a PID tracker, 5 cm farther from the obstacles than the planned length above"
 COLONIES = 10  # searches, of which the median is told
 
 
@@ -23,7 +24,12 @@ def table_x(setting: Setting) -> Result:
     plan = sorted(colony, key=lambda p: p.length_m)[len(colony) // 2]
     fuzzy = courses.on_course(variants.REPAIRED, world)
     bees = courses.on_course(next(v for v in courses.ON_COURSE if v.plan == "bee_colony"), world)
-    claims = (*_lengths(exact, plan, fuzzy.metrics), *_times(bees.metrics, fuzzy.metrics), *_via(plan), *_shares())
+    claims = (
+        *_lengths(exact, plan, fuzzy.metrics),
+        *_times(bees.metrics, fuzzy.metrics),
+        *_via(plan),
+        *_shares(plan, fuzzy.metrics),
+    )
     drawn = paths_over(
         world,
         [("fuzzy", fuzzy.pose), ("bee colony", plan.points), ("shortest", exact.points)],
@@ -54,7 +60,14 @@ def _lengths(exact: Plan, plan: Plan, fuzzy: dict[str, float]) -> list[Claim]:
 def _times(bees: dict[str, float], fuzzy: dict[str, float]) -> list[Claim]:
     note = "the motors are chosen for the mean speed of Table X: ours is no independent check of the time"
     return [
-        claimed("Table X", "ABC: time", printed.ABC[1], bees["time_s"], "s", note="followed by a PID tracker"),
+        claimed(
+            "Table X",
+            "ABC: time",
+            printed.ABC[1],
+            bees["time_s"],
+            "s",
+            note=ABC_NOTE,
+        ),
         claimed("Table X", "FLC: time", printed.FLC[1], fuzzy["time_s"], "s", note=note),
         claimed(
             "Table X",
@@ -92,11 +105,15 @@ def _beyond() -> Claim:
                  "no misprint of y explains the printed length")  # fmt: skip
 
 
-def _shares() -> list[Claim]:
+def _shares(plan: Plan, fuzzy: dict[str, float]) -> list[Claim]:
     length = 1.0 - printed.FLC[0] / printed.ABC[0]
     time = 1.0 - printed.FLC[1] / printed.ABC[1]
     return [
-        claimed("conclusion", "FLC shorter than ABC", 100.0 * printed.SHORTER, 100.0 * length, "%", within=0.1),
+        claimed("conclusion", "FLC shorter than ABC, by Table X's lengths", 100.0 * printed.SHORTER, 100.0 * length,
+                "%", within=0.1, note="of the printed numbers; ours is the next line"),
+        claimed("conclusion", "FLC shorter than ABC, driven here", 100.0 * printed.SHORTER,
+                100.0 * (1.0 - fuzzy["path_length_m"] / plan.length_m), "%", within=0.1,
+                note="a bee colony that works plans nearly the shortest path; the fuzzy path is a little longer"),
         Claim("conclusion", "FLC faster than ABC", 100.0 * printed.FASTER, 100.0 * time, "contradicts itself", "%",
               "from the times of Table X"),
         Claim("text", "where 25.44 s comes from", "Table X: MATLAB; text: the robot", None,
