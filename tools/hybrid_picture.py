@@ -15,7 +15,7 @@ from holodrive.reports.lidar import look, polar_svg
 from holodrive.reports.surface import surface
 
 SHOWN = ("repaired", "Table VIII as printed", "Table VII as printed")
-RANDOM = 100_003  # a random course
+RANDOM = 100_026  # a random course in which the printed rules run into something
 
 
 def main():
@@ -29,7 +29,7 @@ def main():
         ("The paper's course", paths_over(course, [(name, run.pose) for name, run in runs.items()], 420.0, 520.0)),
         ("What the lidar tells", polar_svg(look(runs["repaired"]))),
         ("What the rules answer", surface(system, ("DH", "DL"), 1, (700.0, 300.0, 2000.0)).svg()),
-        ("One of 3000 random worlds", paths_over(world, random, 420.0, 520.0)),
+        ("A random world", paths_over(world, random, 420.0, 520.0)),
     ]
     path = Path(__file__).resolve().parents[1] / "docs" / "pictures" / "hybrid.svg"
     path.write_text(sheet(pictures, "Fuzzy obstacle avoidance of the hybrid base"), encoding="utf-8")
