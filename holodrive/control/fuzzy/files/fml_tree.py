@@ -154,7 +154,7 @@ def _run(parser: expat.XMLParserType, draft: Draft) -> None:
     except (UnicodeEncodeError, ValueError):
         draft.fault(0, "not valid XML: it holds characters that no text has")
     except _RefusedError:
-        pass
+        pass  # the fault was noted where it was found; reading only had to end
 
 
 def _check(draft: Draft, element: Element) -> None:
