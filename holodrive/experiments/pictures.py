@@ -9,6 +9,7 @@ import numpy as np
 from holodrive.log.drawing import Trace, drawn, extent, framed
 from holodrive.log.shapes import goal_shape, world_shapes
 from holodrive.log.view import View
+from holodrive.reports import parts
 from holodrive.reports.plots import COLOURS, DASHES
 from holodrive.types import Array
 from holodrive.worlds.spec import World
@@ -27,9 +28,7 @@ class Gallery:
         figures = "".join(
             f"<figure><figcaption>{escape(name)}</figcaption>{picture}</figure>" for name, picture in self.pictures
         )
-        return (
-            f"<p class='note'>{escape(self.note)}</p>" if self.note else ""
-        ) + f'<div class="worlds">{figures}</div>'
+        return parts.note(self.note) + f'<div class="worlds">{figures}</div>'
 
 
 def paths_over(

@@ -153,22 +153,20 @@ def step_figures(run: Run) -> dict[str, float]:
     }
 
 
-def medians(
+def repeated(
     variant: Variant, track: Track, seeds: int, measure: Callable[[Run], dict[str, float]] = figures
-) -> tuple[dict[str, float], Run]:
-    """Median of each figure over noise seeds 1, 2 ..., and the first run."""
+) -> tuple[dict[str, list[float]], Run]:
+    """Each figure under noise seeds 1, 2 ..., and the first run."""
     runs = [driven(variant, track, seed) for seed in range(1, seeds + 1)]
     rows = [measure(run) for run in runs]
-    return {name: float(np.median([row[name] for row in rows])) for name in rows[0]}, runs[0]
+    return {name: [row[name] for row in rows] for name in rows[0]}, runs[0]
 
 
-def spread(variant: Variant, track: Track, seeds: int) -> tuple[dict[str, float | str], Run]:
-    """As `medians`, with the range of the RMS error over the seeds in millimetres."""
-    runs = [driven(variant, track, seed) for seed in range(1, seeds + 1)]
-    rows = [figures(run) for run in runs]
-    middle: dict[str, float | str] = {name: float(np.median([row[name] for row in rows])) for name in rows[0]}
-    rms = [1e3 * row["rms_error_m"] for row in rows]
-    return {**middle, "rms_range_mm": f"{min(rms):.1f} to {max(rms):.1f}"}, runs[0]
+def medians(
+    variant: Variant, track: Track, seeds: int, measure: Callable[[Run], dict[str, float]] = figures
+) -> dict[str, float]:
+    """Median of each figure over noise seeds 1, 2 ..."""
+    return {name: float(np.median(values)) for name, values in repeated(variant, track, seeds, measure)[0].items()}
 
 
 def t1(setting: Setting) -> Result:
@@ -189,8 +187,11 @@ def _moving(track: Track, setting: Setting) -> Result:
         for v in (*NAVIGATORS, *trackers("moving").values())
     ):
         setting.tell(f"            {variant.name}, {variant.plant}")
-        row, run = spread(variant, track, setting.seeds)
-        rows.append({"controller": variant.name, "plant": variant.plant, **row})
+        found, run = repeated(variant, track, setting.seeds)
+        row = {name: float(np.median(values)) for name, values in found.items()}
+        rms = [1e3 * value for value in found["rms_error_m"]]
+        between = f"{min(rms):.1f} to {max(rms):.1f}"
+        rows.append({"controller": variant.name, "plant": variant.plant, **row, "rms_range_mm": between})
         if variant.plant == "first_order":
             first[variant.name] = run
     note = (
@@ -209,7 +210,7 @@ def t3(setting: Setting) -> Result:
     """Every tracker on the step, first_order."""
     rows = []
     for variant in (*NAVIGATORS, *trackers("step").values()):
-        row, _ = medians(variant, t3_track(), setting.seeds, step_figures)
+        row = medians(variant, t3_track(), setting.seeds, step_figures)
         rows.append({"controller": variant.name, **row})
     note = f"Medians over {setting.seeds} noise seeds; rise from 10 to 90 %, settling into 2 %."
     return Result(sections=(TableSection(t3_track().title, table(rows), note),), data={"rows": rows})
@@ -219,7 +220,7 @@ def table_xi(setting: Setting) -> Result:
     """Mean square errors of PID and fuzzy tracker: printed on an unknown path, ours on T1."""
     claims = []
     for name, label in (("PID", "PID"), ("FLC", "fuzzy-PD")):
-        row, _ = medians(trackers("moving")[label], t1_track(), setting.seeds)
+        row = medians(trackers("moving")[label], t1_track(), setting.seeds)
         for axis, unit, ours, said in zip(
             ("x", "y", "theta"), ("m^2", "m^2", "rad^2"), list(row.values())[:3], printed.MSE[name], strict=True
         ):
@@ -240,7 +241,7 @@ def table_xii(setting: Setting) -> Result:
     """Rise, settling, error and overshoot: printed for an unknown signal, ours for T3."""
     claims = []
     for name, label in (("PID", "PID"), ("FLC", "fuzzy-PD")):
-        row, _ = medians(trackers("step")[label], t3_track(), setting.seeds, step_figures)
+        row = medians(trackers("step")[label], t3_track(), setting.seeds, step_figures)
         ours = (row["rise_s"], row["settling_s"], row["left_m"], row["overshoot_pct"])
         words = (("rise time", "s"), ("settling time", "s"), ("steady state error", ""), ("overshoot", ""))
         for (what, unit), said, found in zip(words, printed.STEP[name], ours, strict=True):
