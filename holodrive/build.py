@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from holodrive.estimation import Evaluation
     from holodrive.sim import Rollout, SimBase
 
-Plant = Literal["first_order", "slip"]
+Plant = Literal["first_order", "slip", "pwm_map"]
 DEFAULT_DURATION_S = 60.0
 AFTER_TRAJECTORY_S = 2.0  # for the robot to settle at the end
 
@@ -67,7 +67,8 @@ def simulate(
 
     Args:
         robot, world: by name, file or value; no world is the open floor.
-        plant: "first_order" (wheels follow with a lag, no slip) or "slip" (motors, grip, battery).
+        plant: "first_order" (wheels follow with a lag, no slip), "slip" (motors, grip, battery) or "pwm_map" (the
+            measured actuators of the robot's [pwm_map], no slip).
         seed: of all noise.
         start: pose (x, y, theta) in the world; the world's own when None.
         dt_s: physics step.
@@ -104,7 +105,7 @@ def drive(
     goal: ArrayLike | None = None,
     waypoints: ArrayLike | None = None,
     trajectory: references.Table | None = None,
-    estimator: str | Estimator = "wheel_odometry",
+    estimator: str | Estimator = "auto",
     params: dict[str, Any] | None = None,
     duration_s: float | None = None,
     log: str | Path | None = None,
@@ -122,7 +123,8 @@ def drive(
         goal: (x, y) keeps the heading, (x, y, theta) turns; the world's goal when nothing is said.
         waypoints: (K, 2 or 3) to pass, the last to stop at.
         trajectory: a table from `planning` or `references`.
-        estimator: a name of `estimation.names()` or an object with `step` and `reset`.
+        estimator: a name of `estimation.names()` or an object with `step` and `reset`; "auto" takes wheel odometry,
+            or the mice of a robot without encoders.
         params: of the controller, over its defaults.
         duration_s: on the robot's clock; 60 s, or a trajectory's length and 2 s, when None.
         log: MCAP file to write.
@@ -141,6 +143,8 @@ def drive(
     asked_for_nothing = goal is None and waypoints is None and trajectory is None
     if isinstance(controller, str):
         params = control.with_arrival(controller, params, place if asked_for_nothing else None)
+    if estimator == "auto":
+        estimator = estimation.default_name(robot)
     settings = _settings(base, controller, estimator, params, table, start, length, stop_on_arrival)
     driver = control.controller(controller, robot, params)
     believer = estimation.estimator(estimator, robot) if isinstance(estimator, str) else estimator
@@ -205,7 +209,7 @@ def rollout(
     world: str | Path | World | Sequence[World] | None = None,
     controller: str | ControllerPlug = "go_to_pose",
     *,
-    estimator: "str | Plug | None" = "wheel_odometry",
+    estimator: "str | Plug | None" = "auto",
     n: int = 1,
     params: Any = None,
     **options: Any,
@@ -215,7 +219,8 @@ def rollout(
     Args:
         robot, world: by name, file or value; a list of n worlds gives each run its own.
         controller: a name of `control.names()`, or any plug with a kernel.
-        estimator: a name of `estimation.names()`, or any plug with a kernel; None lets the controller know the truth.
+        estimator: a name of `estimation.names()`, "auto" (as `drive`), or any plug with a kernel; None lets the
+            controller know the truth.
         n: how many robots.
         params: a dict over the controller's defaults; or packed, (p,) or (n, p).
     """
@@ -235,6 +240,8 @@ def rollout(
         controller = plugs[0]
         if packed is None and len(plugs) > 1:
             packed = np.array([plug.pack(described) for plug in plugs])
+    if estimator == "auto":
+        estimator = estimation.default_name(described)
     believer = estimation.plug(estimator) if isinstance(estimator, str) else estimator
     return sim.rollout(described, place, controller, estimator=believer, n=n, params=packed, **options)
 

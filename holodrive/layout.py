@@ -48,7 +48,8 @@ EST_POSE = 0  # 3
 EST_TWIST = 3  # 3
 EST_COVARIANCE = 6  # 9, row by row
 EST_SLIP = 15  # m/s of rim
-ESTIMATE_SIZE = 16
+EST_SUSPECT = 16  # bit k is set while ground sensor k is not trusted, see `types.Estimate`
+ESTIMATE_SIZE = 17
 
 # --- memory of an estimator --------------------------------------------------------------------
 START_POSE = 0  # 3: whoever starts an estimator writes the known start pose here; all else starts as zeros

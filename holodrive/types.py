@@ -113,13 +113,16 @@ class Estimate:
         pose: in `odom`, heading not wrapped.
         twist: in `base_link`.
         covariance: (3, 3) of the pose [m^2, m rad, rad^2], world axes.
-        slip: root mean square of what the wheels contradict each other in [m/s of rim]; 0 with three wheels.
+        slip: root mean square of what the wheels (or ground sensors) contradict each other in [m/s of rim]; 0 with
+            three wheels.
+        suspect: ground sensors that are not trusted at this tick, bit k for sensor k: lifted off, slipping or dead.
     """
 
     pose: Pose
     twist: Twist
     covariance: Array
     slip: float = 0.0
+    suspect: int = 0
 
 
 class Reference(NamedTuple):
@@ -153,7 +156,7 @@ class Event:
 
     Attributes:
         time: [s].
-        kind: "collision", "gate", "arrived", "fault", "no_rule", "stop".
+        kind: "collision", "gate", "arrived", "fault", "no_rule", "sensor", "stop".
         text: for people.
         pose: of the robot, in the world.
         data: numbers that belong to it, such as place of contact [m] and who moved.

@@ -53,9 +53,15 @@ def seed_option(function: Function) -> Function:
 
 def plant_option(function: Function) -> Function:
     """--plant: which physics."""
-    choice = click.Choice(["first_order", "slip"])
-    text = "Physics: wheels that follow with a lag, or motors and wheel slip."
+    choice = click.Choice(["first_order", "slip", "pwm_map"])
+    text = "Physics: wheels that follow with a lag, motors and wheel slip, or the robot's measured actuators."
     return click.option("--plant", type=choice, default="first_order", show_default=True, help=text)(function)
+
+
+def estimator_option(function: Function) -> Function:
+    """--estimator: how the robot knows where it is."""
+    text = "How the robot knows where it is; auto is by wheels, or by mice without encoders."
+    return click.option("--estimator", metavar="NAME", default="auto", show_default=True, help=text)(function)
 
 
 def set_option(function: Function) -> Function:

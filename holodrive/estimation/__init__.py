@@ -3,7 +3,7 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from holodrive.errors import UnknownName
+from holodrive.errors import InputError, UnknownName
 
 if TYPE_CHECKING:
     from holodrive.estimation.evaluation import Evaluation, Medians, evaluate, medians
@@ -47,6 +47,23 @@ def plug_class(name: str) -> Any:
     return getattr(import_module(module), attribute)
 
 
+def default_name(robot: "Robot") -> str:
+    """The estimator for a robot that asks for none ("auto"): by its wheels if all have encoders, else by its mice.
+
+    Raises:
+        InputError: it has neither an encoder on every wheel nor two mice.
+    """
+    if all(wheel.encoder is not None for wheel in robot.wheels):
+        return "wheel_odometry"
+    if len(robot.mice) >= 2:
+        return "mouse_odometry"
+    blind = ", ".join(wheel.name for wheel in robot.wheels if wheel.encoder is None)
+    raise InputError(
+        f"{robot.name} cannot tell where it is: no encoder on {blind}, and {len(robot.mice)} mice where two are needed; "
+        "give the wheels encoders, add [sensor.mouse.NAME], or name an estimator"
+    )
+
+
 def summary(name: str) -> str:
     """One line about an estimator: the first of its module."""
     return str(import_module(plug_class(name).__module__).__doc__).partition("\n")[0]
@@ -80,6 +97,7 @@ __all__ = [
     "Medians",
     "Odometry",
     "WheelOdometry",
+    "default_name",
     "estimator",
     "evaluate",
     "medians",

@@ -40,4 +40,5 @@ def estimate_of_array(values: Array) -> Estimate:
         Twist(*numbers[layout.EST_TWIST : layout.EST_TWIST + 3]),
         covariance,
         numbers[layout.EST_SLIP],
+        int(numbers[layout.EST_SUSPECT]),
     )

@@ -199,6 +199,71 @@ class SpeedLoop:
 
 
 @dataclass(frozen=True, slots=True)
+class DutyCurve:
+    """Steady duty over the speed of one wheel in one direction: a piecewise cubic that rises everywhere.
+
+    duty(w) = sum_j pieces[k][j] (w - knots[k])^j for knots[k] <= w <= knots[k + 1]; duty(0) is where the dead zone
+    ends, and a wheel that shall stand gets no duty at all.
+
+    Attributes:
+        knots: (K + 1,) wheel speeds, the first 0 [rad/s]; beyond the last the curve goes on straight.
+        pieces: (K, 4) coefficients, the constant first [1, s/rad ...].
+    """
+
+    knots: tuple[float, ...]
+    pieces: tuple[tuple[float, float, float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class DutyMap:
+    """The two curves of a wheel; the backward one is over |speed| and gives |duty|."""
+
+    forward: DutyCurve
+    backward: DutyCurve
+
+
+@dataclass(frozen=True, slots=True)
+class Linearizer:
+    """What the motor board knows of its actuators: the duty that a wheel speed takes (Keek et al., eq. 9 to 12).
+
+    Attributes:
+        wheels: (n) in the order of the robot's wheels.
+        speed_scale: rim speed of a wheel over the speed in the file's curves; sqrt(2) where a diagonal pair of a
+            Mecanum base was measured alone, for the record and for people.
+    """
+
+    wheels: tuple[DutyMap, ...]
+    speed_scale: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class PwmMap:
+    """What the actuators of a simulated base really do (plant "pwm_map"); a linearizer is an estimate of it.
+
+    Attributes:
+        wheels: (n) in the order of the robot's wheels.
+        counts: PWM counts of full duty; the driver takes whole counts.
+        voltage_v: of the battery when the curves were measured; duty counts in proportion to the voltage.
+        dead_time_s: from a duty to the start of motion out of standstill or against the motion.
+        dead_time_spread_s: standard deviation of that from start to start.
+        lag_s: time constant with which a wheel's speed follows.
+        speed_spread: standard deviation of a wheel's constant deviation from its curve, as a part of its speed.
+        speed_noise: the same for a deviation that is new in every control period.
+        speed_scale: as in `Linearizer`.
+    """
+
+    wheels: tuple[DutyMap, ...]
+    counts: int = 255
+    voltage_v: float = 12.0
+    dead_time_s: float = 0.0
+    dead_time_spread_s: float = 0.0
+    lag_s: float = 0.05
+    speed_spread: float = 0.0
+    speed_noise: float = 0.0
+    speed_scale: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
 class Robot:
     """A whole robot, as its file describes it.
 
@@ -209,6 +274,8 @@ class Robot:
         footprint_radius_m: circle about `base_link` that encloses all parts.
         wheels: in the order of the file; every array of wheels has this order.
         control_period_s: of the one loop.
+        linearizer: wheel speed to duty, used by the motor board where the actuators are not linear; None for none.
+        pwm_map: the actuators as the plant "pwm_map" simulates them; None where nobody has measured them.
         text: the TOML it came from, "" for one made in code (then `robots.files.dump` writes it).
     """
 
@@ -228,6 +295,8 @@ class Robot:
     imu: Imu | None = None
     mice: tuple[Mouse, ...] = ()
     control_period_s: float = 0.01
+    linearizer: Linearizer | None = None
+    pwm_map: PwmMap | None = None
     text: str = ""
 
     @property

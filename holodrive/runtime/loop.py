@@ -60,6 +60,7 @@ class Loop:
         self._gate = GateState()
         self._began: float | None = None
         self._arrived = False
+        self._suspect = 0
 
     @property
     def fault(self) -> str:
@@ -73,7 +74,7 @@ class Loop:
         self.reference.reset()
         self._pipeline.reset()
         self._gate = GateState()
-        self._began, self._arrived = None, False
+        self._began, self._arrived, self._suspect = None, False, 0
         self.decision = Decision(Twist(0.0, 0.0, 0.0))
 
     def step(self) -> Tick:
@@ -106,8 +107,25 @@ class Loop:
         self._record(tick, observation)
         if self.decision.no_rule and not was_silent:
             text = "no fuzzy rule fires; the controller acts by its policy for that"
-            self._emit(Event(tick.time, "no_rule", text, tick.truth or tick.estimate.pose, {}))
+            self._emit(Event(tick.time, "no_rule", text, self._place(tick), {}))
+        self._tell_suspects(estimate.suspect, tick)
         return tick
+
+    def _tell_suspects(self, suspect: int, tick: Tick) -> None:
+        """An event for each ground sensor that the estimator has ceased to trust, or trusts again."""
+        changed, self._suspect = suspect ^ self._suspect, suspect
+        for k, mouse in enumerate(self.base.robot.mice):
+            if changed >> k & 1:
+                lost = bool(suspect >> k & 1)
+                what = (
+                    "contradicts the others: lifted off, slipping or dead; it is left out" if lost else "agrees again"
+                )
+                data = {"sensor": mouse.name, "trusted": not lost}
+                self._emit(Event(tick.time, "sensor", f"mouse {mouse.name} {what}", self._place(tick), data))
+
+    @staticmethod
+    def _place(tick: Tick) -> Pose:
+        return tick.truth or tick.estimate.pose
 
     def _since_start(self, observation: Observation) -> float:
         """Time since the first tick [s]: a base's clock need not begin at 0, and modules may stand at any angle."""
@@ -174,9 +192,9 @@ class Loop:
                 sink.scan(observation.scan)
         if self.decision.arrived and not self._arrived and not self.fault:
             self._arrived = True
-            self._emit(Event(tick.time, "arrived", "arrived", tick.truth or tick.estimate.pose, {}))
+            self._emit(Event(tick.time, "arrived", "arrived", self._place(tick), {}))
         if self.decision.fault:
-            self._emit(Event(tick.time, "fault", self.decision.fault, tick.truth or tick.estimate.pose, {}))
+            self._emit(Event(tick.time, "fault", self.decision.fault, self._place(tick), {}))
         take = getattr(self.base, "take_events", None)
         for event in take() if take is not None else ():
             self._emit(event)

@@ -8,6 +8,7 @@ from typing import Any
 
 from holodrive import control, estimation, planning, robots, worlds
 from holodrive.errors import InputError, UnknownName
+from holodrive.interfaces import Plug
 from holodrive.robots.spec import Robot
 from holodrive.sim import period
 from holodrive.worlds.spec import World
@@ -65,8 +66,8 @@ class Job:
         first, count: numbers of the runs, first to first + count - 1.
         seed: of the noise.
         t: longest time of a run [s]; dt: physics step [s].
-        plant: "first_order" or "slip".
-        estimator: registered name; None lets the controller know the truth.
+        plant: a name of `sim.period.PLANTS`.
+        estimator: registered name, or "auto" (`estimation.default_name`); None lets the controller know the truth.
         start: pose (x, y, theta) [m, m, rad]; None takes each world's.
         stop_on_arrival: end a run when the controller says that it is there.
     """
@@ -83,7 +84,7 @@ class Job:
     t: float = 60.0
     dt: float = 1e-3
     plant: str = "first_order"
-    estimator: str | None = "wheel_odometry"
+    estimator: str | None = "auto"
     start: tuple[float, float, float] | None = None
     stop_on_arrival: bool = True
 
@@ -114,17 +115,22 @@ class Job:
         Raises:
             InputError, UnknownName, FileFaults: robot, worlds, controller, parameters or reference cannot be.
         """
-        robots.parse(self.robot, "the job's robot")
+        robot = robots.parse(self.robot, "the job's robot")
         for variant in self.variants:
             control.compiled(self.controller, {**self.params, **variant})
-        if self.estimator is not None:
-            estimation.plug(self.estimator)
+        self.believer(robot)
         if self.reference is not None:
             planning.from_recipe(dict(self.reference))
         for text in self.places.texts:
             place = worlds.parse(text, "the job's world")
             if self.reference is None and place.goal is None:
                 raise InputError(f"world {place.name!r} has no goal; give a goal or a path to follow")
+
+    def believer(self, robot: Robot) -> Plug | None:
+        """The estimator's plug for the job's robot; None lets the controller know the truth."""
+        if self.estimator is None:
+            return None
+        return estimation.plug(estimation.default_name(robot) if self.estimator == "auto" else self.estimator)
 
     def to_json(self) -> str:
         """The whole job as one JSON text; `from_json` gives an equal job back."""

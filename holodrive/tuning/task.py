@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import holodrive
-from holodrive import control, estimation, metrics, planning, robots, sim, worlds
+from holodrive import control, metrics, planning, robots, sim, worlds
 from holodrive._numba_cache import sources_hash
 from holodrive.errors import HolodriveError, InputError
 from holodrive.references import Table
@@ -67,7 +67,7 @@ def run_job(job: Job) -> Array:
         robot,
         places,
         plugs[0],
-        estimator=None if job.estimator is None else estimation.plug(job.estimator),
+        estimator=job.believer(robot),
         reference=table,
         n=job.count,
         seed=job.seed,
