@@ -1,0 +1,208 @@
+"""Duty curves of a wheel from what was measured: a printed cubic, or points of a step calibration.
+
+Both give PWM counts over a speed; a `DutyCurve` is duty 0..1 over the wheel's speed in rad/s. Between the two lie the
+counts of full duty, the unit of the speed, and `speed_scale`, the rim speed of the wheel over the speed that was
+measured (sqrt 2 where the speed is that of a Mecanum base on one of its diagonal pairs).
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from holodrive.errors import InputError
+from holodrive.robots.spec import DutyCurve
+
+FASTEST_RAD_S = 1e5  # as fast as a wheel's speed may be in a file
+ROUND_OFF = 1e-9  # of full duty: what a curve may miss of its ends without being wrong
+LEAST_END_SLOPE = 0.1  # of the outermost two points' slope: a curve that ended flat could not go on straight
+
+
+def from_cubic(
+    coefficients: Sequence[float],
+    *,
+    speed_unit_m_s: float,
+    counts: float,
+    speed_scale: float,
+    radius_m: float,
+    top: float | None = None,
+) -> DutyCurve:
+    """The curve of PWM(v) = c0 + c1 v + c2 v^2 + c3 v^3 (Keek et al., eq. 9 to 12).
+
+    Args:
+        coefficients: (4) c0, c1, c2, c3, the constant first, in counts over v in the unit of its source.
+        speed_unit_m_s: that unit [m/s]; 0.001 for mm/s.
+        counts: PWM counts of full duty.
+        speed_scale: rim speed of the wheel over v.
+        radius_m: of the wheel.
+        top: v where the curve ends; without it where full duty is reached.
+
+    Raises:
+        InputError: when the cubic starts below 0 or above full duty, stops rising before its end, or passes full duty.
+    """
+    c = [float(value) for value in coefficients]
+    if len(c) != 4 or not all(math.isfinite(value) for value in c):
+        raise InputError(f"a cubic has four finite numbers c0, c1, c2, c3, found {len(c)}: {c}")
+    rad_s = _wheel_speed(speed_unit_m_s, counts, speed_scale, radius_m)
+    _start(c[0], counts)
+    end = _top(c, counts, FASTEST_RAD_S / rad_s, top)
+    piece = (c[0] / counts, c[1] / counts / rad_s, c[2] / counts / rad_s**2, c[3] / counts / rad_s**3)
+    return _checked(DutyCurve((0.0, end * rad_s), (piece,)))
+
+
+def from_points(
+    points: ArrayLike,
+    *,
+    speed_unit_m_s: float,
+    counts: float,
+    speed_scale: float,
+    radius_m: float,
+) -> DutyCurve:
+    """The curve through measured points, a cubic between each two that never falls (Fritsch and Carlson's PCHIP).
+
+    Args:
+        points: (P, 2) of PWM counts and speed, both rising; the first is the end of the dead zone, at speed 0.
+        speed_unit_m_s, counts, speed_scale, radius_m: as in `from_cubic`.
+
+    Raises:
+        InputError: when there are fewer than two points, they do not rise, or they leave 0 to full duty.
+    """
+    found = np.asarray(points, dtype=np.float64)  # (P, 2)
+    if found.ndim != 2 or found.shape[1] != 2 or len(found) < 2 or not np.isfinite(found).all():
+        raise InputError("a curve needs two or more points [pwm, speed] of finite numbers")
+    pwm, speed = found.T
+    if speed[0] != 0.0:
+        raise InputError(f"the first point is the end of the dead zone, at speed 0; its speed is {speed[0]:g}")
+    for name, values in (("PWM", pwm), ("speed", speed)):
+        falls = np.flatnonzero(np.diff(values) <= 0.0)
+        if falls.size:
+            k = int(falls[0])
+            raise InputError(
+                f"points must rise; the {name} goes from {values[k]:g} to {values[k + 1]:g} at point {k + 2}"
+            )
+    rad_s = _wheel_speed(speed_unit_m_s, counts, speed_scale, radius_m)
+    _start(float(pwm[0]), counts)
+    if pwm[-1] > counts:
+        raise InputError(f"the last point has a PWM of {pwm[-1]:g}, above full duty, {counts:g} counts")
+    knots = speed * rad_s
+    return _checked(DutyCurve(tuple(map(float, knots)), _monotone_pieces(knots, pwm / counts)))
+
+
+def check(curve: DutyCurve) -> None:
+    """Refuse a curve that does not rise everywhere, starts below 0, ends above full duty or has gaps.
+
+    Raises:
+        InputError: with the wheel speed [rad/s] at which it is wrong.
+    """
+    knots, pieces = curve.knots, curve.pieces
+    if len(knots) < 2 or len(pieces) != len(knots) - 1:
+        raise InputError(f"a curve of n pieces has n + 1 knots, found {len(pieces)} pieces and {len(knots)} knots")
+    if any(len(piece) != 4 for piece in pieces):
+        raise InputError("a piece has four numbers, the constant first")
+    if not all(math.isfinite(value) for row in (knots, *pieces) for value in row):
+        raise InputError("a curve holds finite numbers only")
+    if knots[0] != 0.0 or any(b <= a for a, b in pairwise(knots)):
+        raise InputError("the knots of a curve begin at 0 and rise")
+    if pieces[0][0] < 0.0:
+        raise InputError(f"a curve starts at a duty of 0 or more, found {pieces[0][0]:g}")
+    before = pieces[0][0]
+    for (at, after), piece in zip(pairwise(knots), pieces, strict=True):
+        if abs(piece[0] - before) > ROUND_OFF:
+            raise InputError(f"the curve jumps from a duty of {before:g} to {piece[0]:g} at {at:g} rad/s")
+        falls = _falls(piece, after - at)
+        if falls is not None:
+            raise InputError(f"the curve stops rising at {at + falls:g} rad/s")
+        before = _value(piece, after - at)
+    if before > 1.0 + ROUND_OFF:
+        raise InputError(f"the curve ends at a duty of {before:g}, above full duty")
+
+
+def _checked(curve: DutyCurve) -> DutyCurve:
+    check(curve)
+    return curve
+
+
+def _wheel_speed(speed_unit_m_s: float, counts: float, speed_scale: float, radius_m: float) -> float:
+    """Wheel speed [rad/s] at speed 1 in the unit of the source."""
+    given = {"speed_unit_m_s": speed_unit_m_s, "counts": counts, "speed_scale": speed_scale, "radius_m": radius_m}
+    for name, value in given.items():
+        if not (math.isfinite(value) and value > 0.0):
+            raise InputError(f"{name} must be above 0, found {value:g}")
+    return speed_unit_m_s * speed_scale / radius_m
+
+
+def _start(pwm: float, counts: float) -> None:
+    if pwm < 0.0:
+        raise InputError(f"a curve starts at a PWM of 0 or more, found {pwm:g}")
+    if pwm >= counts:
+        raise InputError(f"the dead zone ends at a PWM of {pwm:g}, not below full duty, {counts:g} counts")
+
+
+def _top(c: Sequence[float], counts: float, fastest: float, top: float | None) -> float:
+    """Where the cubic ends, in the unit of its source."""
+    falls = _falls(c, math.inf)
+    last = fastest if falls is None else min(falls, fastest)
+    full = _crossing(lambda v: _value(c, v) - counts, last) if _value(c, last) > counts else None
+    if top is None:
+        if full is not None:
+            return full
+        if falls == 0.0:
+            raise InputError("the cubic does not rise at speed 0")
+        if falls is None:
+            raise InputError(f"the cubic does not reach full duty, {counts:g} counts, at any speed a wheel may have")
+        raise InputError(
+            f"the cubic stops rising at a speed of {falls:.4g} (PWM {_value(c, falls):.4g}), "
+            f"before full duty, {counts:g} counts; end it earlier with 'top', or give points"
+        )
+    if not (math.isfinite(top) and 0.0 < top <= fastest):
+        raise InputError(f"the top speed of a curve must be above 0 and at most {fastest:.4g}, found {top:g}")
+    if full is not None and top > full and _value(c, top) > counts * (1.0 + ROUND_OFF):
+        raise InputError(f"the cubic reaches full duty, {counts:g} counts, at a speed of {full:.4g}, below top {top:g}")
+    if falls is not None and top >= falls:
+        raise InputError(f"the cubic stops rising at a speed of {falls:.4g}, below top {top:g}")
+    return top
+
+
+def _value(c: Sequence[float], x: float) -> float:
+    return c[0] + x * (c[1] + x * (c[2] + x * c[3]))
+
+
+def _falls(c: Sequence[float], length: float) -> float | None:
+    """The first x in [0, length) from which the cubic falls or stays; a slope that only touches 0 does not count."""
+    a, b, d = 3.0 * c[3], 2.0 * c[2], c[1]  # slope = d + b x + a x^2
+    if d < 0.0 or (d == 0.0 and (b < 0.0 or (b == 0.0 and a <= 0.0))):
+        return 0.0
+    root = b * b - 4.0 * a * d
+    if a == 0.0:
+        first = -d / b if b < 0.0 else math.inf
+    elif root <= ROUND_OFF * b * b or (a > 0.0 and b >= 0.0):
+        return None
+    else:
+        first = 2.0 * d / (-b + math.sqrt(root)) if b <= 0.0 or a < 0.0 else math.inf
+    return first if first < length * (1.0 - ROUND_OFF) else None
+
+
+def _crossing(excess: Callable[[float], float], high: float) -> float:
+    """Where a rising function crosses 0 in (0, high), from below."""
+    low = 0.0
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        if middle in (low, high):
+            break
+        if excess(middle) > 0.0:
+            high = middle
+        else:
+            low = middle
+    return low
+
+
+def _monotone_pieces(x: np.ndarray, y: np.ndarray) -> tuple[tuple[float, float, float, float], ...]:
+    from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
+
+    slopes = PchipInterpolator(x, y).derivative()(x)
+    for end, inner in ((0, 1), (-1, -2)):
+        slopes[end] = max(slopes[end], LEAST_END_SLOPE * (y[end] - y[inner]) / (x[end] - x[inner]))
+    rows = CubicHermiteSpline(x, y, slopes).c[::-1].T  # (K, 4), the constant first
+    return tuple((float(a), float(b), float(c), float(d)) for a, b, c, d in rows)
