@@ -59,8 +59,8 @@ def default_name(robot: "Robot") -> str:
         return "mouse_odometry"
     blind = ", ".join(wheel.name for wheel in robot.wheels if wheel.encoder is None)
     raise InputError(
-        f"{robot.name} cannot tell where it is: no encoder on {blind}, and {len(robot.mice)} mice where two are needed; "
-        "give the wheels encoders, add [sensor.mouse.NAME], or name an estimator"
+        f"{robot.name} cannot tell where it is: no encoder on {blind}, and {len(robot.mice)} mice where two are "
+        "needed; give the wheels encoders, add [sensor.mouse.NAME], or name an estimator"
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holodrive import layout
-from holodrive.errors import InputError, UnknownName
+from holodrive.errors import InputError
 from holodrive.obstacles import obstacle_names, obstacles_of
 from holodrive.robots.spec import Robot
 from holodrive.sim import model as md
@@ -24,7 +24,7 @@ class SimBase:
 
     Attributes:
         robot, world: as given.
-        plant: "first_order" or "slip".
+        plant: "first_order", "slip" or "pwm_map".
         seed: of all noise.
         dt_s: physics step [s].
     """
@@ -39,10 +39,8 @@ class SimBase:
         start: ArrayLike | None = None,
         dt_s: float = 1e-3,
     ) -> None:
-        if plant not in kernels.PLANTS:
-            raise UnknownName("plant", plant, kernels.PLANTS)
+        self._plant = kernels.plant_number(robot, plant)
         self.robot, self.world, self.plant, self.seed, self.dt_s = robot, world, plant, seed, dt_s
-        self._plant = kernels.PLANTS[plant]
         self._model, self._obstacles = md.model_of(robot, dt_s), obstacles_of(world)
         self._names = obstacle_names(world)
         self._key = np.uint64(key_of(seed, 0))  # a plain int would reach the kernels as int64
@@ -154,7 +152,7 @@ class SimBase:
 
     @property
     def energy_j(self) -> float:
-        """Drawn from the battery since start [J]; NaN with the first-order plant, which knows no currents."""
+        """Drawn from the battery since start [J]; NaN with the plants that know no currents."""
         return float(self._state[st.ENERGY]) if self._plant == kernels.SLIP else math.nan
 
     @property

@@ -126,7 +126,7 @@ def rollout(
         params: of the controller, packed, (p,) or (n, p); the plug's own when None.
         starts: (3,) or (n, 3) poses; the world's own when None.
         goals: (3,) or (n, 3) poses, instead of `reference`.
-        plant: "first_order" or "slip".
+        plant: "first_order", "slip" or "pwm_map".
         log_every: control ticks from one row of the log to the next; None logs nothing.
         stop_on_arrival: end a robot's run when its controller says that it is there.
         workers: threads; all cores when None.
@@ -135,8 +135,7 @@ def rollout(
         InputError: shapes or numbers that cannot be.
         UnknownName: no such plant.
     """
-    if plant not in period.PLANTS:
-        raise UnknownName("plant", plant, period.PLANTS)
+    number = period.plant_number(robot, plant)
     model, kin = model_of(robot, dt), _kinematics(robot)
     if n < 1 or not (t > 0.0 and math.isfinite(t)) or (log_every is not None and log_every < 1):
         raise InputError(
@@ -175,7 +174,7 @@ def rollout(
 
     switches = (
         int(estimator is None),
-        period.PLANTS[plant],
+        number,
         compiled.KINDS[controller.command_kind],
         kind,
         ticks,

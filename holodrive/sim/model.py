@@ -9,6 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from holodrive.actuators import duty_curve
 from holodrive.actuators.lag import lag_factors
 from holodrive.errors import InputError
 from holodrive.kinematics import Chassis
@@ -47,7 +48,9 @@ DROPOUT = 38
 MICE_AT = 39  # where the mice begin
 BEAMS_AT = 40  # where the cosines of the beams begin; their sines follow
 ALIKE = 41  # 1 when no wheel is steered and all have one lag
-WHEELS = 42  # the first wheel's block begins here
+MAP_AT = 42  # where the measured actuators begin; 0 = none
+LINEARIZER_AT = 43  # where the motor board's curves begin; 0 = none
+WHEELS = 44  # the first wheel's block begins here
 
 # --- block of a wheel ----------------------------------------------------------------------------
 STEERED = 0  # place in steering arrays, or -1
@@ -79,6 +82,14 @@ BLOCK = 40
 # --- row of a mouse ------------------------------------------------------------------------------
 MOUSE_X, MOUSE_Y, MOUSE_THETA, MOUSE_COUNT, MOUSE_NOISE, MOUSE = range(6)  # m, m, rad, m per count, 1, width
 
+# --- measured actuators: header, then the curves (`actuators.duty_curve.pack`) --------------------
+MAP_COUNTS = 0  # PWM counts of full duty
+MAP_VOLTAGE = 1  # V
+MAP_DEAD_TIME, MAP_DEAD_SPREAD = 2, 3  # s
+MAP_DECAY, MAP_MEAN = 4, 5  # first-order lag over one step
+MAP_SPREAD, MAP_NOISE = 6, 7  # parts of the speed
+MAP_CURVES = 8
+
 
 @lru_cache(maxsize=64)
 def model_of(robot: Robot, dt_s: float) -> Array:
@@ -99,7 +110,12 @@ def model_of(robot: Robot, dt_s: float) -> Array:
             f"the simulator takes at most {MAX_WHEELS} and {MAX_MICE}"
         )
     n, mice, beams = len(robot.wheels), len(robot.mice), robot.lidar.beams if robot.lidar else 0
-    model = np.zeros(WHEELS + n * BLOCK + mice * MOUSE + 2 * beams)
+    actuators = _actuators(robot, robot.control_period_s / steps)
+    board = duty_curve.pack(robot.linearizer.wheels) if robot.linearizer else np.zeros(0)
+    ahead = WHEELS + n * BLOCK + mice * MOUSE + 2 * beams
+    model = np.concatenate([np.zeros(ahead), actuators, board])
+    model[MAP_AT] = ahead if len(actuators) else 0
+    model[LINEARIZER_AT] = ahead + len(actuators) if len(board) else 0
     model[N], model[M], model[MICE], model[STEPS] = n, len(robot.steered), mice, steps
     model[MICE_AT] = WHEELS + n * BLOCK
     model[BEAMS_AT] = model[MICE_AT] + mice * MOUSE
@@ -195,5 +211,18 @@ def _lidar(model: Array, lidar: Lidar) -> None:
         model[BEAM_PERIOD] = abs(model[BEAM_STEP]) / (2.0 * math.pi) / lidar.rate_hz
     model[RANGE_MIN], model[RANGE_MAX] = lidar.range_min, lidar.range_max
     model[RANGE_NOISE], model[RANGE_NOISE_RELATIVE], model[DROPOUT] = lidar.noise_m, lidar.noise_relative, lidar.dropout
-    angles, at = beam_angles(model), int(model[BEAMS_AT])
-    model[at : at + lidar.beams], model[at + lidar.beams :] = np.cos(angles), np.sin(angles)
+    angles, at, beams = beam_angles(model), int(model[BEAMS_AT]), lidar.beams
+    model[at : at + beams], model[at + beams : at + 2 * beams] = np.cos(angles), np.sin(angles)
+
+
+def _actuators(robot: Robot, dt: float) -> Array:
+    """The measured actuators of a robot as the header and curves of the plant "pwm_map"; empty without."""
+    known = robot.pwm_map
+    if known is None:
+        return np.zeros(0)
+    header = np.zeros(MAP_CURVES)
+    header[MAP_COUNTS], header[MAP_VOLTAGE] = known.counts, known.voltage_v
+    header[MAP_DEAD_TIME], header[MAP_DEAD_SPREAD] = known.dead_time_s, known.dead_time_spread_s
+    header[MAP_DECAY], header[MAP_MEAN] = lag_factors(known.lag_s, dt)
+    header[MAP_SPREAD], header[MAP_NOISE] = known.speed_spread, known.speed_noise
+    return np.concatenate([header, duty_curve.pack(known.wheels)])

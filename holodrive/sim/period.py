@@ -5,19 +5,23 @@ import math
 import numpy as np
 
 from holodrive import layout
+from holodrive.actuators.duty_curve import duty_of
 from holodrive.actuators.speed_loop import speed_loop_step
+from holodrive.errors import InputError, UnknownName
 from holodrive.leaf import leaf, set_all
+from holodrive.robots.spec import Robot
 from holodrive.sim import model as md
 from holodrive.sim import state as st
 from holodrive.sim.contact import free_distance, write_event
 from holodrive.sim.first_order import first_order_period
+from holodrive.sim.pwm_map import pwm_map_period
 from holodrive.sim.sensors import sense
 from holodrive.sim.slip import slip_period
 from holodrive.types import Array
 
-FIRST_ORDER, SLIP = 0, 1  # plants
+FIRST_ORDER, SLIP, PWM_MAP = 0, 1, 2  # plants
 _DEAD = 1e-200
-PLANTS = {"first_order": FIRST_ORDER, "slip": SLIP}
+PLANTS = {"first_order": FIRST_ORDER, "slip": SLIP, "pwm_map": PWM_MAP}
 
 
 @leaf
@@ -75,13 +79,17 @@ def accept(model, state, events, values, steer, direct):  # type: ignore[no-unty
 def advance(plant, model, obstacles, state, events, key, ranges, pending):  # type: ignore[no-untyped-def]
     """One control period: speed loop, physics, sensors. The robot must not stand still in time afterwards."""
     drive(model, state)
+    if plant == PWM_MAP:
+        drive_measured(model, state)
     for i in range(3):
         state[st.TICK_POSE + i] = state[st.POSE + i]
         state[st.TICK_TWIST + i] = state[st.TWIST + i]
     if plant == FIRST_ORDER:
         first_order_period(model, obstacles, state, events)
-    else:
+    elif plant == SLIP:
         slip_period(model, obstacles, state, events)
+    else:
+        pwm_map_period(model, obstacles, state, events, key)
     flush(state, st.TWIST, 3)
     flush(state, st.WHEEL_SPEED, int(model[md.N]))
     flush(state, st.CURRENT, int(model[md.N]))
@@ -115,6 +123,25 @@ def drive(model, state):  # type: ignore[no-untyped-def]
 
 
 @leaf
+def drive_measured(model, state):  # type: ignore[no-untyped-def]
+    """The board of measured actuators: the linearizer instead of the straight feed-forward, and whole PWM counts.
+
+    What the speed loop adds to its feed-forward is kept; without encoder it adds nothing. The plants with linear
+    motors need no linearizer, so this is for the plant "pwm_map" alone.
+    """
+    counts, board = model[int(model[md.MAP_AT]) + md.MAP_COUNTS], int(model[md.LINEARIZER_AT])
+    for i in range(int(model[md.N])):
+        w, command, duty = md.WHEELS + i * md.BLOCK, state[st.COMMAND + i], state[st.DUTY + i]
+        if board > 0 and state[st.DIRECT] == 0.0 and command != 0.0:
+            if math.isnan(model[w + md.COUNT_RAD]):
+                trim = 0.0
+            else:
+                trim = state[st.INTEGRAL + i] + model[md.LOOP_KP] * (command - state[st.MEASURED + i])
+            duty = duty_of(model, board, i, command) + trim * model[w + md.PER_NO_LOAD]
+        state[st.DUTY + i] = min(1.0, max(-1.0, np.rint(duty * counts) / counts))
+
+
+@leaf
 def fill(model, state, ranges, obs):  # type: ignore[no-untyped-def]
     """Write what the sensors tell into a flat observation (`holodrive.layout`); belief and wish stay as they are."""
     obs[layout.TIME], obs[layout.DT] = state[st.TICK] * model[md.PERIOD], model[md.PERIOD]
@@ -138,6 +165,23 @@ def fill(model, state, ranges, obs):  # type: ignore[no-untyped-def]
         obs[layout.BEAM_STEP], obs[layout.BEAM_PERIOD] = model[md.BEAM_STEP], model[md.BEAM_PERIOD]
         for i in range(ranges.shape[0]):
             obs[layout.BEAMS + i] = ranges[i]
+
+
+def plant_number(robot: Robot, plant: str) -> int:
+    """The plant's number in the kernels.
+
+    Raises:
+        UnknownName: no such plant.
+        InputError: the robot's actuators were never measured, which "pwm_map" needs.
+    """
+    if plant not in PLANTS:
+        raise UnknownName("plant", plant, PLANTS)
+    if plant == "pwm_map" and robot.pwm_map is None:
+        raise InputError(
+            f"{robot.name} has no [pwm_map], which the plant pwm_map simulates; add one to its file, "
+            "or choose the plant first_order or slip"
+        )
+    return PLANTS[plant]
 
 
 def scratch(model: Array, events: int = 64) -> tuple[Array, Array, Array, Array]:

@@ -44,7 +44,10 @@ STEER = INTEGRAL + MAX_WHEELS  # m: rad
 STEER_COMMAND = STEER + MAX_WHEELS  # m: rad
 MICE = STEER_COMMAND + MAX_WHEELS  # 2 k: m told at this tick
 MICE_CARRY = MICE + 2 * MAX_MICE  # 2 k: counts not told yet, below 1
-CONTACT = MICE_CARRY + 2 * MAX_MICE  # n rows: scratch of the slip plant, see there
+AIM = MICE_CARRY + 2 * MAX_MICE  # n: rad/s that the duty leads to, plant "pwm_map"; and so are the next two
+HEADED = AIM + MAX_WHEELS  # n: -1, 0 or 1, which way the wheel turns or is about to
+WAIT = HEADED + MAX_WHEELS  # n: s of dead time still to go
+CONTACT = WAIT + MAX_WHEELS  # n rows: scratch of the slip plant, see there
 CONTACT_ROW = 16
 SIZE = CONTACT + CONTACT_ROW * MAX_WHEELS
 

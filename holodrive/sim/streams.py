@@ -10,8 +10,8 @@ import numpy as np
 
 from holodrive.leaf import leaf
 
-# streams: which sensor draws
-LIDAR, GYRO, GYRO_WALK, ACCEL, MICE, DROPOUT = range(6)
+# streams: which sensor or actuator draws
+LIDAR, GYRO, GYRO_WALK, ACCEL, MICE, DROPOUT, SPEED_SPREAD, SPEED_NOISE, DEAD_TIME = range(9)
 
 _A = np.uint64(0xBF58476D1CE4E5B9)
 _B = np.uint64(0x94D049BB133111EB)
