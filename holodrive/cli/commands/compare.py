@@ -10,6 +10,7 @@ import click
 from holodrive.cli.compiling import compiling
 from holodrive.cli.options import (
     checked_ending,
+    estimator_option,
     out_option,
     plant_option,
     pose_of,
@@ -19,6 +20,7 @@ from holodrive.cli.options import (
     verb,
 )
 from holodrive.cli.output import Output
+from holodrive.cli.path_options import path_options, trajectory_of
 from holodrive.errors import InputError
 
 if TYPE_CHECKING:
@@ -27,14 +29,20 @@ if TYPE_CHECKING:
 
 @verb(
     "compare",
-    ["hybrid3 -w room -c go_to_pose,pid --runs 5 -o compare.html", "monday.mcap tuesday.mcap --json"],
+    [
+        "hybrid3 -w room -c go_to_pose,pid --runs 5 -o compare.html",
+        "mecanum4_mice --plant pwm_map --path eight --size 150mm --speed '20 mm/s' -c la_g,ff_pi,dob,mpc",
+        "monday.mcap tuesday.mcap --json",
+    ],
 )
 @click.argument("what", nargs=-1, required=True, metavar="ROBOT | RUN.mcap...")
 @click.option("-w", "--world", metavar="WORLD", help="World, by name or file; the open floor when not given.")
 @click.option("-c", "--controllers", default="go_to_pose,pid", show_default=True, help="Names with commas between.")
 @click.option("--runs", default=3, show_default=True, type=click.IntRange(1), help="Seeds for each controller.")
 @click.option("--goal", metavar="X,Y[,HEADING]", help="Where to go; the world's goal when not given.")
+@path_options
 @plant_option
+@estimator_option
 @seed_option
 @set_option
 @out_option("Write a one-file HTML report of all runs side by side.")
@@ -73,6 +81,8 @@ def _drive(out: Output, robot: str, options: dict[str, Any]) -> dict[str, list["
     overrides, params = split_settings(options["settings"])
     described, world = hd.load(robot, overrides), hd.world(options["world"])
     controllers = [name.strip() for name in options["controllers"].split(",") if name.strip()]
+    if options["goal"] and options["shape"]:
+        raise InputError("a run has one reference: --goal or --path")
     goal = pose_of(options["goal"], "--goal") if options["goal"] else None
     seeds = range(options["seed"], options["seed"] + options["runs"])
     groups: dict[str, list[Run]] = {}
@@ -80,7 +90,8 @@ def _drive(out: Output, robot: str, options: dict[str, Any]) -> dict[str, list["
         for controller in controllers:
             for seed in seeds:
                 base = hd.simulate(described, world, plant=options["plant"], seed=seed)
-                run = hd.drive(base, controller, goal=goal, params=params or None)
+                wanted = {"trajectory": trajectory_of(options, base.truth)} if options["shape"] else {"goal": goal}
+                run = hd.drive(base, controller, estimator=options["estimator"], params=params or None, **wanted)
                 ready()
                 if run.ended == "interrupted":  # half a run is no result
                     raise KeyboardInterrupt

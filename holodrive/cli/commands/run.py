@@ -12,6 +12,7 @@ from holodrive.cli.compiling import compiling
 from holodrive.cli.faults import INTERRUPTED
 from holodrive.cli.options import (
     checked_ending,
+    estimator_option,
     out_option,
     plant_option,
     pose_of,
@@ -41,7 +42,7 @@ KEYS_DURATION_S = 3600.0
     "run",
     [
         "hybrid3 -w paper_course --via 0.5,0.5 --via 1,1.5 --via 0.5,4.5 -o run.mcap",
-        "mecanum4 --path infinity --size 150mm --speed '20 mm/s' --seed 1 --report run.html",
+        "mecanum4_mice -c la_g --plant pwm_map --path infinity --size 150mm --speed '20 mm/s' --report run.html",
         "hybrid3_table_x -w paper_course --plan bee_colony -c pid",
     ],
 )
@@ -62,6 +63,7 @@ KEYS_DURATION_S = 3600.0
 @click.option("--duration", metavar="TIME", help="At most so long on the robot's clock: 30 or '2 min'.")
 @click.option("--real-time", is_flag=True, help="Keep to the wall clock.")
 @plant_option
+@estimator_option
 @seed_option
 @set_option
 @params_option
@@ -135,6 +137,7 @@ def _by_controller(
             base,
             options["controller"],
             **goals,
+            estimator=options["estimator"],
             params=params or None,
             duration_s=duration,
             log=options["path"],
@@ -191,7 +194,13 @@ def _by_keys(out: Output, base: "SimBase", options: dict[str, Any]) -> "Run":
         out.note(HELP)
         duration = quantity_of(options["duration"], "--duration", "time") if options["duration"] else KEYS_DURATION_S
         return hd.drive(
-            base, KeyTeleop(keys), goal=tuple(base.truth), duration_s=duration, log=options["path"], real_time=True
+            base,
+            KeyTeleop(keys),
+            goal=tuple(base.truth),
+            estimator=options["estimator"],
+            duration_s=duration,
+            log=options["path"],
+            real_time=True,
         )
 
 
