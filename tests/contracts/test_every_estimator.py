@@ -21,7 +21,7 @@ def observations(robot_name: str) -> list[Observation]:
 
 
 def numbers(estimate: Estimate) -> list[float]:
-    return [*estimate.pose, *estimate.twist, *estimate.covariance.ravel().tolist(), estimate.slip]
+    return [*estimate.pose, *estimate.twist, *estimate.covariance.ravel().tolist(), estimate.slip, estimate.suspect]
 
 
 @pytest.mark.parametrize(("name", "robot"), CASES)
