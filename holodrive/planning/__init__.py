@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from holodrive.errors import UnknownName
 from holodrive.planning.bee_colony import bee_colony
+from holodrive.planning.deviation import distance_to_path
 from holodrive.planning.paths import PATHS, Path, circle, lemniscate, line
 from holodrive.planning.plan import Plan, through
 from holodrive.planning.profile import Profile, trapezoid
@@ -35,6 +36,7 @@ __all__ = [
     "Route",
     "bee_colony",
     "circle",
+    "distance_to_path",
     "follow",
     "from_recipe",
     "lap_speed",
