@@ -21,6 +21,7 @@ CONTROLLERS: dict[str, str] = {
     "fuzzy_pd": "holodrive.control.fuzzy_pd:FuzzyPd",
     "fuzzy_pid": "holodrive.control.fuzzy_pid:FuzzyPid",
     "go_to_pose": "holodrive.control.go_to_pose:GoToPose",
+    "la_g": "holodrive.control.la_g:LaG",
     "pid": "holodrive.control.pid:Pid",
 }
 ENTRY_POINTS = "holodrive.controllers"  # where other packages register theirs

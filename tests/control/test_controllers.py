@@ -1,6 +1,7 @@
 """Laws of the first controllers, and contracts that every registered controller keeps."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,22 +20,34 @@ WHEELS = tuple(
 )
 BEAMS = 36
 ROBOT = Robot("test", WHEELS, 3.0, 0.1, 0.25, lidar=Lidar("test", beams=BEAMS))
+DIAGONALS = tuple(
+    WheelSpec(f"w{k}", "mecanum", x, y, 0.0, 0.05, MOTOR, 10.0, roller=math.copysign(math.pi / 4, -x * y))
+    for k, (x, y) in enumerate(((0.2, 0.15), (0.2, -0.15), (-0.2, 0.15), (-0.2, -0.15)))
+)
+MECANUM = replace(ROBOT, wheels=DIAGONALS)
 
 
-def seen(dt=0.01, time=0.0):
+def robot_for(name):
+    """A base that the controller can drive."""
+    return MECANUM if getattr(control.plug_class(name), "needs_diagonals", False) else ROBOT
+
+
+def seen(dt=0.01, time=0.0, wheels=3):
     """A robot at rest that sees nothing near: some controllers drive by their lidar only."""
     angles = 2.0 * math.pi * np.arange(BEAMS) / BEAMS
     scan = Scan(time, angles, np.full(BEAMS, math.inf), np.zeros(BEAMS), range_min=0.15, range_max=12.0)
-    wheels = WheelState(np.zeros(3), np.zeros(3), np.zeros(0))
-    return Observation(time, dt, wheels, scan=scan, scan_is_new=True)
+    state = WheelState(np.zeros(wheels), np.zeros(wheels), np.zeros(0))
+    return Observation(time, dt, state, scan=scan, scan_is_new=True)
 
 
 def believed(pose, twist=(0.0, 0.0, 0.0)):
     return Estimate(Pose(*pose), Twist(*twist), np.zeros((3, 3)))
 
 
-def decide(name, reference, pose, params=None, robot=ROBOT, twist=(0.0, 0.0, 0.0)):
-    return control.controller(name, robot, params).step(reference, believed(pose, twist), seen())
+def decide(name, reference, pose, params=None, robot=None, twist=(0.0, 0.0, 0.0)):
+    robot = robot or robot_for(name)
+    driver = control.controller(name, robot, params)
+    return driver.step(reference, believed(pose, twist), seen(wheels=len(robot.wheels)))
 
 
 def numbers(command):
@@ -80,20 +93,21 @@ def test_no_controller_turns_a_nan_into_a_motion(name):
 
 @pytest.mark.parametrize("name", control.names())
 def test_a_controller_forgets_on_reset(name):
-    robot_controller = control.controller(name, ROBOT)
+    robot = robot_for(name)
+    robot_controller, sight = control.controller(name, robot), seen(wheels=len(robot.wheels))
     reference = Reference(Pose(0.1, 0.05, 0.1))
-    first = robot_controller.step(reference, believed((0, 0, 0)), seen())
+    first = robot_controller.step(reference, believed((0, 0, 0)), sight)
     for _ in range(5):
-        robot_controller.step(reference, believed((0, 0, 0)), seen())
+        robot_controller.step(reference, believed((0, 0, 0)), sight)
     robot_controller.reset()
-    assert robot_controller.step(reference, believed((0, 0, 0)), seen()) == first
+    assert robot_controller.step(reference, believed((0, 0, 0)), sight) == first
 
 
 @pytest.mark.parametrize("name", [name for name in control.names() if hasattr(control.plug_class(name), "kernel")])
 def test_memory_and_parameters_fit_what_the_kernel_uses(name):
     plug = control.plug(name)
-    assert plug.memory_size(ROBOT) >= 0
-    params = plug.pack(ROBOT)
+    assert plug.memory_size(robot_for(name)) >= 0
+    params = plug.pack(robot_for(name))
     assert params.dtype == np.float64
     assert params.flags.c_contiguous
     assert layout.COMMAND_SIZE > layout.FAULT
@@ -129,8 +143,6 @@ def test_a_speed_limit_slows_the_motion_and_keeps_its_shape():
 
 
 def test_the_robots_own_limits_count_as_well():
-    from dataclasses import replace
-
     robot = replace(ROBOT, limits=Limits(speed_m_s=0.2, yaw_rate_rad_s=0.3))
     for name in ("go_to_pose", "pid"):
         twist = decide(name, Reference(Pose(5, 0, 3)), (0, 0, 0), robot=robot).command
@@ -140,8 +152,6 @@ def test_the_robots_own_limits_count_as_well():
 
 @pytest.mark.parametrize("distance", [0.01, 0.5, 5.0, 50.0])
 def test_a_goal_is_neared_no_faster_than_the_base_can_brake(distance):
-    from dataclasses import replace
-
     robot = replace(ROBOT, limits=Limits(accel_m_s2=2.0, yaw_accel_rad_s2=3.0))
     twist = decide("go_to_pose", Reference(Pose(distance, 0, 2.0)), (0, 0, 0), {"k_xy": 3.0}, robot=robot).command
     assert twist.vx <= math.sqrt(2.0 * 2.0 * distance)
