@@ -2,12 +2,7 @@
 
 One step, for any chassis: angle increments of the wheels give the body displacement that explains them best (least
 squares in metres of rim, `kinematics.kernel.forward_step`), a gyro may correct its turn, the exact SE(2) exponential
-moves the pose. With d = (dx, dy, dtheta) the displacement and T the pose:
-
-    T' = T exp(d),    P' = A P A^T + G Q G^T,    A = dT'/dT,  G = dT'/dd = R(theta) dexp(d)/dd
-
-where P is the covariance of (x, y, theta) in world axes and Q that of d, from the noise of each wheel. A and G are
-the exact derivatives, not those of an Euler step.
+moves the pose, and the covariance grows with the noise of each wheel (`estimation.dead_reckoning`).
 """
 
 import math
@@ -19,6 +14,7 @@ from numba import njit
 
 from holodrive import layout
 from holodrive.errors import InputError
+from holodrive.estimation.dead_reckoning import advance, carry, levers, spread
 from holodrive.kinematics import kernel as kin
 from holodrive.kinematics.chassis import Chassis
 from holodrive.types import Array
@@ -53,7 +49,6 @@ _CLOCK_SET_S = 1e5  # so is one a day ahead: a clock that was set
 _STILL_RAD = 0.05  # a jump is at least this much: encoders may be coarse
 _BIAS_S = 60.0  # a gyro's bias counts as noise that lasts so long
 _MOST_RAD = 1e6  # no wheel and no gyro turns that much between two samples
-_SERIES = 0.02  # rad
 
 
 @dataclass(frozen=True)
@@ -195,7 +190,7 @@ def step(params: Array, memory: Array, time: float, position: Array, steer: Arra
         dt = since
     memory[CANDIDATE_TIME] = math.nan
     displace(params, memory, dt, position, steer, gyro, heading)
-    advance(memory)
+    advance(memory[:3], memory[DISPLACEMENT : DISPLACEMENT + 3])
     for i in range(3):
         memory[TWIST + i] = memory[DISPLACEMENT + i] / dt
     memory[USED] += 1.0
@@ -328,73 +323,16 @@ def wheel_noise(
 
 @njit(cache=True, error_model="numpy")
 def grow(params: Array, memory: Array, turns: Array, steer: Array, share: float, variance: float) -> None:
-    """Covariance of the pose after the displacement: P' = A P A^T + sum of variance * v v^T, v = G * error."""
-    dx, dy, turn = memory[DISPLACEMENT], memory[DISPLACEMENT + 1], memory[DISPLACEMENT + 2]
-    c, s = math.cos(memory[2]), math.sin(memory[2])
-    sine, versine, sine_slope, versine_slope = exp_terms(turn)
-    along_x, along_y = sine * dx - versine * dy, versine * dx + sine * dy
-    carry(memory, c * along_x - s * along_y, s * along_x + c * along_y)
-    lever = sine_slope * dx - versine_slope * dy, versine_slope * dx + sine_slope * dy
+    """Covariance of the pose after the displacement, from the noise of each wheel and of the gyro."""
+    heading, displacement = memory[2], memory[DISPLACEMENT : DISPLACEMENT + 3]
+    covariance = memory[COVARIANCE : COVARIANCE + 9]
+    carry(covariance, heading, displacement)
+    g = levers(heading, displacement)
     for i in range(int(params[N_WHEELS])):
         along, across, roll, side = wheel_noise(params, i, abs(turns[i]), steer)
         for error, size in ((along, roll), (across, side)):
             if size > 0.0:
-                spin = (1.0 - share) * error[2]
-                u = sine * error[0] - versine * error[1] + lever[0] * spin
-                v = versine * error[0] + sine * error[1] + lever[1] * spin
-                add(memory, size, c * u - s * v, s * u + c * v, spin)
+                # the gyro's share of the turn is not the wheels'
+                spread(covariance, g, size, error[0], error[1], (1.0 - share) * error[2])
     if variance > 0.0:
-        add(memory, variance, c * lever[0] - s * lever[1], s * lever[0] + c * lever[1], 1.0)
-
-
-@njit(cache=True, error_model="numpy")
-def carry(memory: Array, x: float, y: float) -> None:
-    """P <- A P A^T, A = [[1, 0, -y], [0, 1, x], [0, 0, 1]]: an error of heading turns the way (x, y) of this step."""
-    p = memory[COVARIANCE : COVARIANCE + 9]
-    xt, yt, tt = p[2], p[5], p[8]
-    p[0] += y * (y * tt - 2.0 * xt)
-    p[4] += x * (x * tt + 2.0 * yt)
-    p[1] += x * xt - y * yt - x * y * tt
-    p[2] -= y * tt
-    p[5] += x * tt
-    p[3], p[6], p[7] = p[1], p[2], p[5]
-
-
-@njit(cache=True, error_model="numpy")
-def add(memory: Array, size: float, x: float, y: float, turn: float) -> None:
-    """P <- P + size * v v^T."""
-    p = memory[COVARIANCE : COVARIANCE + 9]
-    p[0] += size * x * x
-    p[1] += size * x * y
-    p[2] += size * x * turn
-    p[4] += size * y * y
-    p[5] += size * y * turn
-    p[8] += size * turn * turn
-    p[3], p[6], p[7] = p[1], p[2], p[5]
-
-
-@njit(cache=True, error_model="numpy")
-def advance(memory: Array) -> None:
-    """The pose after the displacement, by the exact exponential; its heading keeps counting turns."""
-    dx, dy, turn = memory[DISPLACEMENT], memory[DISPLACEMENT + 1], memory[DISPLACEMENT + 2]
-    sine, versine, _, _ = exp_terms(turn)
-    x, y = sine * dx - versine * dy, versine * dx + sine * dy
-    c, s = math.cos(memory[2]), math.sin(memory[2])
-    memory[0] += c * x - s * y
-    memory[1] += s * x + c * y
-    memory[2] += turn
-
-
-@njit(cache=True, error_model="numpy")
-def exp_terms(w: float) -> tuple[float, float, float, float]:
-    """sin(w)/w, (1 - cos(w))/w and their derivatives; series near zero, where the quotients lose digits."""
-    q = w * w
-    if abs(w) < _SERIES:
-        sine = 1.0 - q / 6.0 * (1.0 - q / 20.0 * (1.0 - q / 42.0))
-        versine = 0.5 * w * (1.0 - q / 12.0 * (1.0 - q / 30.0 * (1.0 - q / 56.0)))
-        sine_slope = -w / 3.0 * (1.0 - q / 10.0 * (1.0 - q / 28.0))
-        versine_slope = 0.5 - q / 8.0 * (1.0 - q / 18.0 * (1.0 - q / 40.0))
-        return sine, versine, sine_slope, versine_slope
-    half = math.sin(0.5 * w)
-    sine, versine = math.sin(w) / w, 2.0 * half * half / w
-    return sine, versine, (math.cos(w) - sine) / w, sine - versine / w
+        spread(covariance, g, variance, 0.0, 0.0, 1.0)
