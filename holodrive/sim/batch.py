@@ -97,7 +97,7 @@ def rollout(
     controller: ControllerPlug,
     *,
     estimator: Plug | None = None,
-    reference: references.Table | None = None,
+    reference: references.Table | Sequence[references.Table] | None = None,
     n: int = 1,
     seed: int = 0,
     first: int = 0,
@@ -118,7 +118,7 @@ def rollout(
         world: one for all, or n.
         controller: plug with a compiled kernel; twists go through the limit - discretise - invert pipeline.
         estimator: plug with a compiled kernel; None lets the controller know the truth.
-        reference: where they shall be; the world's goal when None and no `goals`.
+        reference: where they shall be, one for all or n of one kind; the world's goal when None and no `goals`.
         n: how many.
         seed: of all noise. `first` is the number of the first robot: robots 512 to 1023 of a seed are the same
             whether they run together with the others or, with first=512, elsewhere.
@@ -260,14 +260,20 @@ def _in_threads(run: Any, jobs: list[Any], workers: int) -> None:
 
 
 def _references(
-    reference: references.Table | None, goals: ArrayLike | None, places: list[World | None], starts: Array, n: int
+    reference: references.Table | Sequence[references.Table] | None,
+    goals: ArrayLike | None,
+    places: list[World | None],
+    starts: Array,
+    n: int,
 ) -> tuple[int, Array, Any]:
     """Kind, rows of all robots, and which rows are whose."""
     if reference is not None and goals is not None:
         raise InputError("a roll-out has a reference or goals, not both")
-    if reference is not None:
+    if isinstance(reference, references.Table):
         bounds = np.tile(np.array([0, len(reference.rows)], dtype=np.int64), (n, 1))
         return reference.kind, np.ascontiguousarray(reference.rows), bounds
+    if reference is not None:
+        return _many_references(reference, n)
     if goals is None:
         if missing := [place.name if place else "the open floor" for place in places if not (place and place.goal)]:
             raise InputError(f"{missing[0]} has no goal; give reference=... or goals=(x, y, theta)")
@@ -278,6 +284,21 @@ def _references(
     rows[:, 1:4] = _finite(_rows(goals, n, "goals", 3), "goals")
     firsts = np.arange(n, dtype=np.int64)
     return references.FIXED, rows, np.ascontiguousarray(np.stack([firsts, firsts + 1], axis=1))
+
+
+def _many_references(tables: Sequence[references.Table], n: int) -> tuple[int, Array, Any]:
+    """n tables one after another; a table that several robots share stands there once."""
+    kinds = sorted({table.kind for table in tables})
+    if len(tables) != n or len(kinds) != 1:
+        raise InputError(
+            f"a roll-out of {n} robots takes one reference or {n} of one kind; "
+            f"found {len(tables)} of {len(kinds)} kinds"
+        )
+    unique = list({id(table): table for table in tables}.values())
+    ends = np.cumsum([len(table.rows) for table in unique])
+    place = {id(table): (end - len(table.rows), end) for table, end in zip(unique, ends.tolist(), strict=True)}
+    bounds = np.array([place[id(table)] for table in tables], dtype=np.int64)
+    return kinds[0], np.ascontiguousarray(np.concatenate([table.rows for table in unique])), bounds
 
 
 def _starts(starts: ArrayLike | None, places: list[World | None], n: int) -> Array:

@@ -215,6 +215,14 @@ def test_a_command_that_is_not_finite_stops_the_robot_and_is_told(plug):
     assert np.allclose(out.twist, 0.0)
 
 
+def test_each_robot_can_have_its_own_reference_and_those_with_one_share_it():
+    tables = [references.fixed_goal((0.0, 1.0, 0.5)), references.fixed_goal((0.4, 1.2, 0.0))]
+    mixed = rollout(hybrid(), COURSE, GoToPose(), n=3, t=2.0, reference=[tables[0], tables[1], tables[0]])
+    for robot, table in ((0, tables[0]), (1, tables[1]), (2, tables[0])):
+        alone = rollout(hybrid(), COURSE, GoToPose(), first=robot, t=2.0, reference=table)
+        assert np.array_equal(mixed.pose[robot], alone.pose[0])
+
+
 def test_goals_and_references_mean_the_same_place():
     goals = rollout(hybrid(), COURSE, GoToPose(), n=2, t=2.0, goals=[(1.0, 0.0, 0.0), (0.0, 1.0, 0.5)])
     fixed = rollout(hybrid(), COURSE, GoToPose(), t=2.0, reference=references.fixed_goal((0.0, 1.0, 0.5)))
@@ -229,6 +237,7 @@ def test_faults_of_the_call_say_what_is_allowed():
         ("one world or 3", {"n": 3, "world": [COURSE, COURSE]}),
         (r"expected \(10,\) or \(2, 10\)", {"n": 2, "params": np.zeros((3, 1))}),
         (r"expected \(3,\) or \(2, 3\)", {"n": 2, "starts": np.zeros((2, 2))}),
+        ("one reference or 2", {"n": 2, "reference": [references.fixed_goal((0.0, 0.0, 0.0))]}),
         ("not both", {"goals": (0.0, 0.0, 0.0), "reference": references.fixed_goal((0.0, 0.0, 0.0))}),
         ("divide the control period", {"dt": 0.003}),
     ):
