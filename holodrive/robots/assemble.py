@@ -8,7 +8,7 @@ from holodrive.files.scan import Path
 from holodrive.files.source import Source, meant
 from holodrive.files.units import shown
 from holodrive.layout import MAX_MICE
-from holodrive.robots import checks, parts
+from holodrive.robots import checks, duty_maps, parts
 from holodrive.robots.form import BatteryForm, GroundForm, LimitsForm, RobotForm, SpeedLoopForm
 from holodrive.robots.naming import check_name
 from holodrive.robots.place import xy
@@ -17,7 +17,19 @@ from holodrive.robots.wheels import wheels
 
 F = TypeVar("F", bound=Form)
 
-SECTIONS = ("schema", "robot", "defaults", "wheel", "sensor", "battery", "ground", "limits", "speed_loop")
+SECTIONS = (
+    "schema",
+    "robot",
+    "defaults",
+    "wheel",
+    "sensor",
+    "battery",
+    "ground",
+    "limits",
+    "speed_loop",
+    "linearizer",
+    "pwm_map",
+)
 SENSORS = ("lidar", "imu", "mouse")
 
 
@@ -43,6 +55,8 @@ def robot(source: Source) -> Robot:
     ground, _ = _section(GroundForm, "ground", source)
     limits, limit_fields = _section(LimitsForm, "limits", source)
     loop, _ = _section(SpeedLoopForm, "speed_loop", source)
+    linearizer = duty_maps.linearizer(all_wheels, source)
+    pwm_map = duty_maps.pwm_map(all_wheels, battery.voltage_v if battery else 0.0, source)
     checks.whole(all_wheels, fields, limit_fields, source)
     source.refuse()
     if not (base and battery and ground and limits and loop):
@@ -67,6 +81,8 @@ def robot(source: Source) -> Robot:
         imu=imu,
         mice=mice,
         control_period_s=base.control_period,
+        linearizer=linearizer,
+        pwm_map=pwm_map,
         text=source.text,
     )
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from holodrive.files.write import table
 from holodrive.robots.checks import WHEELS_OUTSIDE, reach
-from holodrive.robots.spec import Encoder, Imu, Lidar, Motor, Mouse, Robot, WheelSpec
+from holodrive.robots.spec import DutyCurve, DutyMap, Encoder, Imu, Lidar, Motor, Mouse, PwmMap, Robot, WheelSpec
 from holodrive.types import Pose
 
 
@@ -24,6 +24,12 @@ def text(robot: Robot) -> str:
         table(("limits",), _keys(asdict(robot.limits), "_m_s", "_rad_s", "_m_s2", "_rad_s2")),
         table(("speed_loop",), _keys(asdict(robot.speed_loop), "_s")),
     ]
+    if robot.linearizer:
+        blocks.append(table(("linearizer",), {"speed_scale": robot.linearizer.speed_scale}))
+        blocks += _curves("linearizer", robot.linearizer.wheels, robot)
+    if robot.pwm_map:
+        blocks.append(table(("pwm_map",), _pwm_map(robot.pwm_map)))
+        blocks += _curves("pwm_map", robot.pwm_map.wheels, robot)
     return "\n".join(blocks)
 
 
@@ -150,6 +156,34 @@ def _mouse(mouse: Mouse) -> dict[str, object]:
 
 def _mount(pose: Pose) -> dict[str, float]:
     return {"x": pose.x, "y": pose.y, "yaw": pose.theta}
+
+
+def _pwm_map(known: PwmMap) -> dict[str, object]:
+    return {
+        "counts": known.counts,
+        "speed_scale": known.speed_scale,
+        "voltage": known.voltage_v,
+        "dead_time": known.dead_time_s,
+        "dead_time_spread": known.dead_time_spread_s,
+        "lag": known.lag_s,
+        "speed_spread": known.speed_spread,
+        "speed_noise": known.speed_noise,
+    }
+
+
+def _curves(name: str, maps: tuple[DutyMap, ...], robot: Robot) -> list[str]:
+    """A table for all wheels that have the same curves."""
+    groups: dict[DutyMap, list[str]] = {}
+    for wheel, known in zip(robot.wheels, maps, strict=True):
+        groups.setdefault(known, []).append(wheel.name)
+    return [
+        table((name, f"group{n}"), {"wheels": members, "forward": _curve(m.forward), "backward": _curve(m.backward)})
+        for n, (m, members) in enumerate(groups.items(), 1)
+    ]
+
+
+def _curve(curve: DutyCurve) -> dict[str, object]:
+    return {"knots": curve.knots, "pieces": curve.pieces}
 
 
 def _keys(values: dict[str, Any], *units: str) -> dict[str, Any]:

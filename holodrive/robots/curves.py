@@ -20,6 +20,14 @@ ROUND_OFF = 1e-9  # of full duty: what a curve may miss of its ends without bein
 LEAST_END_SLOPE = 0.1  # of the outermost two points' slope: a curve that ended flat could not go on straight
 
 
+class CurveError(InputError):
+    """A curve that is none; `point` is the index of the measured point that is wrong, if it is one of them."""
+
+    def __init__(self, message: str, point: int | None = None) -> None:
+        self.point = point
+        super().__init__(message)
+
+
 def from_cubic(
     coefficients: Sequence[float],
     *,
@@ -40,11 +48,11 @@ def from_cubic(
         top: v where the curve ends; without it where full duty is reached.
 
     Raises:
-        InputError: when the cubic starts below 0 or above full duty, stops rising before its end, or passes full duty.
+        CurveError: when the cubic starts below 0 or above full duty, stops rising before its end, or passes full duty.
     """
     c = [float(value) for value in coefficients]
     if len(c) != 4 or not all(math.isfinite(value) for value in c):
-        raise InputError(f"a cubic has four finite numbers c0, c1, c2, c3, found {len(c)}: {c}")
+        raise CurveError(f"a cubic has four finite numbers c0, c1, c2, c3, found {len(c)}: {c}")
     rad_s = _wheel_speed(speed_unit_m_s, counts, speed_scale, radius_m)
     _start(c[0], counts)
     end = _top(c, counts, FASTEST_RAD_S / rad_s, top)
@@ -67,56 +75,65 @@ def from_points(
         speed_unit_m_s, counts, speed_scale, radius_m: as in `from_cubic`.
 
     Raises:
-        InputError: when there are fewer than two points, they do not rise, or they leave 0 to full duty.
+        CurveError: when there are fewer than two points, they do not rise, or they leave 0 to full duty.
     """
     found = np.asarray(points, dtype=np.float64)  # (P, 2)
     if found.ndim != 2 or found.shape[1] != 2 or len(found) < 2 or not np.isfinite(found).all():
-        raise InputError("a curve needs two or more points [pwm, speed] of finite numbers")
+        raise CurveError("a curve needs two or more points [pwm, speed] of finite numbers")
     pwm, speed = found.T
     if speed[0] != 0.0:
-        raise InputError(f"the first point is the end of the dead zone, at speed 0; its speed is {speed[0]:g}")
+        raise CurveError(f"the first point is the end of the dead zone, at speed 0; its speed is {speed[0]:g}", 0)
     for name, values in (("PWM", pwm), ("speed", speed)):
         falls = np.flatnonzero(np.diff(values) <= 0.0)
         if falls.size:
             k = int(falls[0])
-            raise InputError(
+            raise CurveError(
                 f"points must rise; the {name} goes from {values[k]:g} to {values[k + 1]:g} at point {k + 2}"
             )
     rad_s = _wheel_speed(speed_unit_m_s, counts, speed_scale, radius_m)
     _start(float(pwm[0]), counts)
     if pwm[-1] > counts:
-        raise InputError(f"the last point has a PWM of {pwm[-1]:g}, above full duty, {counts:g} counts")
+        raise CurveError(f"the last point has a PWM of {pwm[-1]:g}, above full duty, {counts:g} counts", len(found) - 1)
     knots = speed * rad_s
     return _checked(DutyCurve(tuple(map(float, knots)), _monotone_pieces(knots, pwm / counts)))
+
+
+def from_pieces(knots: Sequence[float], pieces: Sequence[Sequence[float]]) -> DutyCurve:
+    """The curve of knots [rad/s] and (K, 4) pieces of duty 0..1, as `DutyCurve` describes them.
+
+    Raises:
+        CurveError: see `check`.
+    """
+    if any(len(piece) != 4 for piece in pieces):
+        raise CurveError("a piece has four numbers, the constant first")
+    return _checked(DutyCurve(tuple(map(float, knots)), tuple((a, b, c, d) for a, b, c, d in pieces)))
 
 
 def check(curve: DutyCurve) -> None:
     """Refuse a curve that does not rise everywhere, starts below 0, ends above full duty or has gaps.
 
     Raises:
-        InputError: with the wheel speed [rad/s] at which it is wrong.
+        CurveError: with the wheel speed [rad/s] at which it is wrong.
     """
     knots, pieces = curve.knots, curve.pieces
     if len(knots) < 2 or len(pieces) != len(knots) - 1:
-        raise InputError(f"a curve of n pieces has n + 1 knots, found {len(pieces)} pieces and {len(knots)} knots")
-    if any(len(piece) != 4 for piece in pieces):
-        raise InputError("a piece has four numbers, the constant first")
+        raise CurveError(f"a curve of n pieces has n + 1 knots, found {len(pieces)} pieces and {len(knots)} knots")
     if not all(math.isfinite(value) for row in (knots, *pieces) for value in row):
-        raise InputError("a curve holds finite numbers only")
+        raise CurveError("a curve holds finite numbers only")
     if knots[0] != 0.0 or any(b <= a for a, b in pairwise(knots)):
-        raise InputError("the knots of a curve begin at 0 and rise")
+        raise CurveError("the knots of a curve begin at 0 and rise")
     if pieces[0][0] < 0.0:
-        raise InputError(f"a curve starts at a duty of 0 or more, found {pieces[0][0]:g}")
+        raise CurveError(f"a curve starts at a duty of 0 or more, found {pieces[0][0]:g}")
     before = pieces[0][0]
     for (at, after), piece in zip(pairwise(knots), pieces, strict=True):
         if abs(piece[0] - before) > ROUND_OFF:
-            raise InputError(f"the curve jumps from a duty of {before:g} to {piece[0]:g} at {at:g} rad/s")
+            raise CurveError(f"the curve jumps from a duty of {before:g} to {piece[0]:g} at {at:g} rad/s")
         falls = _falls(piece, after - at)
         if falls is not None:
-            raise InputError(f"the curve stops rising at {at + falls:g} rad/s")
+            raise CurveError(f"the curve stops rising at {at + falls:g} rad/s")
         before = _value(piece, after - at)
     if before > 1.0 + ROUND_OFF:
-        raise InputError(f"the curve ends at a duty of {before:g}, above full duty")
+        raise CurveError(f"the curve ends at a duty of {before:g}, above full duty")
 
 
 def _checked(curve: DutyCurve) -> DutyCurve:
@@ -129,15 +146,15 @@ def _wheel_speed(speed_unit_m_s: float, counts: float, speed_scale: float, radiu
     given = {"speed_unit_m_s": speed_unit_m_s, "counts": counts, "speed_scale": speed_scale, "radius_m": radius_m}
     for name, value in given.items():
         if not (math.isfinite(value) and value > 0.0):
-            raise InputError(f"{name} must be above 0, found {value:g}")
+            raise CurveError(f"{name} must be above 0, found {value:g}")
     return speed_unit_m_s * speed_scale / radius_m
 
 
 def _start(pwm: float, counts: float) -> None:
     if pwm < 0.0:
-        raise InputError(f"a curve starts at a PWM of 0 or more, found {pwm:g}")
+        raise CurveError(f"a curve starts at a PWM of 0 or more, found {pwm:g}")
     if pwm >= counts:
-        raise InputError(f"the dead zone ends at a PWM of {pwm:g}, not below full duty, {counts:g} counts")
+        raise CurveError(f"the dead zone ends at a PWM of {pwm:g}, not below full duty, {counts:g} counts")
 
 
 def _top(c: Sequence[float], counts: float, fastest: float, top: float | None) -> float:
@@ -149,19 +166,19 @@ def _top(c: Sequence[float], counts: float, fastest: float, top: float | None) -
         if full is not None:
             return full
         if falls == 0.0:
-            raise InputError("the cubic does not rise at speed 0")
+            raise CurveError("the cubic does not rise at speed 0")
         if falls is None:
-            raise InputError(f"the cubic does not reach full duty, {counts:g} counts, at any speed a wheel may have")
-        raise InputError(
+            raise CurveError(f"the cubic does not reach full duty, {counts:g} counts, at any speed a wheel may have")
+        raise CurveError(
             f"the cubic stops rising at a speed of {falls:.4g} (PWM {_value(c, falls):.4g}), "
             f"before full duty, {counts:g} counts; end it earlier with 'top', or give points"
         )
     if not (math.isfinite(top) and 0.0 < top <= fastest):
-        raise InputError(f"the top speed of a curve must be above 0 and at most {fastest:.4g}, found {top:g}")
+        raise CurveError(f"the top speed of a curve must be above 0 and at most {fastest:.4g}, found {top:g}")
     if full is not None and top > full and _value(c, top) > counts * (1.0 + ROUND_OFF):
-        raise InputError(f"the cubic reaches full duty, {counts:g} counts, at a speed of {full:.4g}, below top {top:g}")
+        raise CurveError(f"the cubic reaches full duty, {counts:g} counts, at a speed of {full:.4g}, below top {top:g}")
     if falls is not None and top >= falls:
-        raise InputError(f"the cubic stops rising at a speed of {falls:.4g}, below top {top:g}")
+        raise CurveError(f"the cubic stops rising at a speed of {falls:.4g}, below top {top:g}")
     return top
 
 

@@ -11,7 +11,7 @@ from holodrive.robots.spec import Robot
 
 SCHEMA = 1
 MIGRATIONS: dict[int, Migration] = {}  # from schema n to the function that makes a table of schema n + 1
-COLLECTIONS = ("wheel", "sensor.mouse")
+COLLECTIONS = ("wheel", "sensor.mouse", "linearizer", "pwm_map")
 
 _HERE = Path(__file__).parent
 CATALOG = _HERE / "catalog"

@@ -284,3 +284,68 @@ class SpeedLoopForm(Form):
     )
     ki: Annotated[float, Quantity("number", 0.0, 1e6)] = Field(default=4.0, description="the same, a second")
     filter: Seconds = Field(default=0.03, description="time constant of the encoder's speed")
+
+
+Plain = Annotated[float, Quantity("number", -1e300, 1e300)]
+
+
+class CurveForm(Form):
+    """What duty a speed takes in one direction: a cubic, measured points, or the pieces a canonical file has."""
+
+    cubic: list[Plain] | None = Field(
+        default=None, description="[c0, c1, c2, c3] of PWM = c0 + c1 v + c2 v^2 + c3 v^3, in counts over speed_unit"
+    )
+    top: Annotated[float, Quantity("number", 0.0, 1e9, above_low=True)] | None = Field(
+        default=None, description="speed at which the cubic ends; without it where it reaches full duty"
+    )
+    points: list[list[Plain]] | None = Field(
+        default=None,
+        description="[[pwm, speed], ...] as measured, rising; the first at speed 0 where the dead zone ends",
+    )
+    knots: list[Plain] | None = Field(default=None, description="wheel speeds [rad/s] between the pieces, from 0 on")
+    pieces: list[list[Plain]] | None = Field(
+        default=None, description="of each piece [c0, c1, c2, c3]: duty 0 to 1 over rad/s from its knot on"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_way(cls, table: Any) -> Any:
+        if isinstance(table, dict):
+            keys = set(table) & set(cls.model_fields)
+            if keys - {"top"} not in ({"cubic"}, {"points"}, {"knots", "pieces"}):
+                written = ", ".join(sorted(keys)) or "none of them"
+                raise custom(f"a curve is one of {{ cubic }}, {{ points }} and {{ knots, pieces }}; found {written}")
+            if "top" in keys and "cubic" not in keys:
+                raise custom("'top' ends a cubic; points and pieces end with their last")
+        return table
+
+
+class CurveGroupForm(Form):
+    """Wheels that were measured together, or alone, and their two curves."""
+
+    wheels: list[str] = Field(description="names of wheels")
+    forward: CurveForm = Field(description="curve of positive speed, such as { cubic = [43.5, 2.86, -0.16, 0.0056] }")
+    backward: CurveForm = Field(description="curve of negative speed, over its amount")
+
+
+class LinearizerForm(Form):
+    """What the motor board knows of its actuators; beside these keys, groups of wheels [linearizer.NAME]."""
+
+    counts: Annotated[int, Whole(1, 1_000_000)] = Field(default=255, description="PWM counts of full duty")
+    speed_unit: str = Field(default="m/s", description='of the speeds in the curves, such as "mm/s" of rim or "rad/s"')
+    speed_scale: Annotated[float, Quantity("number", 0.0, 100.0, above_low=True)] = Field(
+        default=1.0, description="a wheel's speed over the speed in the curves"
+    )
+
+
+class PwmMapForm(LinearizerForm):
+    """What simulated actuators really do; beside these keys, groups of wheels [pwm_map.NAME]."""
+
+    voltage: Annotated[float, Quantity("voltage", 0.0, 1e4, above_low=True)] | None = Field(
+        default=None, description="of the battery while the curves were measured; without it that of [battery]"
+    )
+    dead_time: Seconds = Field(default=0.0, description="from a duty to motion, out of standstill and at reversal")
+    dead_time_spread: Seconds = Field(default=0.0, description="its standard deviation from start to start")
+    lag: Seconds = Field(default=0.05, description="time constant with which a wheel's speed follows")
+    speed_spread: Ratio = Field(default=0.0, description="of a wheel's constant deviation from its curve")
+    speed_noise: Ratio = Field(default=0.0, description="of its deviation in each control period")

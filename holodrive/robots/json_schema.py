@@ -9,13 +9,16 @@ from holodrive.robots import motors, sensors
 from holodrive.robots.checks import ACCEPTABLE
 from holodrive.robots.form import (
     BatteryForm,
+    CurveGroupForm,
     EncoderForm,
     GroundForm,
     ImuForm,
     LidarForm,
     LimitsForm,
+    LinearizerForm,
     MotorForm,
     MouseForm,
+    PwmMapForm,
     RobotForm,
     SpeedLoopForm,
     WheelForm,
@@ -28,9 +31,13 @@ _PLACES = [{"required": ["x", "y"]}, {"required": ["distance", "bearing"]}]
 def robot() -> Schema:
     """Of robot files."""
     forms: list[type[Form]] = [RobotForm, WheelForm, MotorForm, EncoderForm, LidarForm, ImuForm, MouseForm]
-    parts = definitions([*forms, BatteryForm, GroundForm, LimitsForm, SpeedLoopForm])
+    forms += [BatteryForm, GroundForm, LimitsForm, SpeedLoopForm, LinearizerForm, PwmMapForm, CurveGroupForm]
+    parts = definitions(forms)
     parts["At"]["oneOf"] = _PLACES
     parts["RobotForm"]["properties"]["accept"]["items"] = {"enum": list(ACCEPTABLE)}
+    parts["CurveForm"]["oneOf"] = [{"required": ["cubic"]}, {"required": ["points"]}, {"required": ["knots", "pieces"]}]
+    for name in ("LinearizerForm", "PwmMapForm"):
+        parts[name]["additionalProperties"] = ref(CurveGroupForm)
     for name in ("LidarForm", "ImuForm", "MouseForm"):
         needed = parts[name].pop("required")
         parts[name]["anyOf"] = [{"required": ["model"]}, {"required": needed}]
@@ -50,6 +57,8 @@ def robot() -> Schema:
         "ground": ref(GroundForm),
         "limits": ref(LimitsForm),
         "speed_loop": ref(SpeedLoopForm),
+        "linearizer": ref(LinearizerForm),
+        "pwm_map": ref(PwmMapForm),
     }
     return document("holodrive robot file", properties, ["robot", "wheel"], parts)
 

@@ -4,16 +4,19 @@ import math
 
 from hypothesis import strategies as st
 
-from holodrive.robots import checks
+from holodrive.robots import checks, curves
 from holodrive.robots.spec import (
     Battery,
+    DutyMap,
     Encoder,
     Ground,
     Imu,
     Lidar,
     Limits,
+    Linearizer,
     Motor,
     Mouse,
+    PwmMap,
     Robot,
     SpeedLoop,
     Steering,
@@ -111,6 +114,44 @@ IMUS = st.builds(
 
 
 @st.composite
+def duty_curves(draw):
+    """Through points that rise by steps of whole counts and of some mm/s, or a cubic that rises by its signs."""
+    measured = {"speed_unit_m_s": 1e-3, "counts": 255, "speed_scale": draw(between(0.5, 2.0)), "radius_m": 0.03}
+    start = draw(st.integers(0, 80))
+    if draw(st.booleans()):
+        rising = [draw(st.floats(0.0, 10.0)) for _ in range(2)]
+        return curves.from_cubic([start, draw(between(0.1, 5.0)), *rising], **measured)
+    steps = draw(st.lists(st.tuples(st.integers(1, 34), between(0.01, 20.0)), min_size=1, max_size=5))
+    points = [(start, 0.0)]
+    for pwm, speed in steps:
+        points.append((points[-1][0] + pwm, points[-1][1] + speed))
+    return curves.from_points(points, **measured)
+
+
+@st.composite
+def duty_maps(draw, count):
+    """Of all wheels; some of them have the same curves."""
+    known = draw(st.lists(st.builds(DutyMap, duty_curves(), duty_curves()), min_size=1, max_size=2))
+    return tuple(draw(st.sampled_from(known)) for _ in range(count))
+
+
+def pwm_maps(count):
+    part = st.floats(0.0, 1.0)
+    return st.builds(
+        PwmMap,
+        wheels=duty_maps(count),
+        counts=st.integers(1, 65535),
+        voltage_v=between(1.0, 60.0),
+        dead_time_s=part,
+        dead_time_spread_s=part,
+        lag_s=part,
+        speed_spread=part,
+        speed_noise=part,
+        speed_scale=between(0.1, 10.0),
+    )
+
+
+@st.composite
 def robots(draw):
     count = draw(st.integers(1, 5))
     names = draw(st.lists(NAME, min_size=count, max_size=count, unique=True))
@@ -141,4 +182,6 @@ def robots(draw):
             for name in draw(st.lists(NAME, max_size=4, unique=True))
         ),
         control_period_s=draw(st.floats(1e-3, 0.1)),
+        linearizer=draw(st.none() | st.builds(Linearizer, duty_maps(count), between(0.1, 10.0))),
+        pwm_map=draw(st.none() | pwm_maps(count)),
     )

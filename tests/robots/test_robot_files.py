@@ -1,5 +1,6 @@
 """Robot files: what is written is what is meant, and comes back from `dump` to the last bit."""
 
+import json
 import math
 import tomllib
 from dataclasses import replace
@@ -64,6 +65,29 @@ def test_mecanum4_has_the_usual_rows():
     expected = np.array([[1, -1, -s], [1, 1, s], [1, 1, -s], [1, -1, s]]) / 0.03
     np.testing.assert_allclose(jacobian(robots.load("mecanum4")), expected, rtol=1e-12)
     assert [w.name for w in robots.load("mecanum4").wheels] == ["fl", "fr", "rl", "rr"]
+
+
+def test_the_mecanum_robot_of_the_paper_measures_with_its_mice_only():
+    """As mecanum4, but no encoders, and pairs of at most 37 mm/s of the base: sqrt 2 times that at the rim."""
+    robot, sibling = robots.load("mecanum4_mice"), robots.load("mecanum4")
+    assert {w.encoder for w in robot.wheels} == {None}
+    assert len(robot.mice) == 2
+    assert all(w.max_speed_rad_s * w.radius == pytest.approx(0.037 * math.sqrt(2.0), rel=1e-5) for w in robot.wheels)
+    assert (robot.linearizer, robot.pwm_map, robot.mice) == (sibling.linearizer, sibling.pwm_map, sibling.mice)
+
+
+def test_the_diagonals_of_mecanum4_have_the_curves_of_their_pair(shared_data):
+    """Keek et al., eq. 9 to 12: W1W4 is fr and rl, W2W3 is fl and rr; full duty where the vectors say."""
+    vectors = json.loads((shared_data / "paper_vectors.json").read_text())["seed002"]["eq9_12"]
+    robot = robots.load("mecanum4")
+    assert robot.linearizer.wheels == robot.pwm_map.wheels
+    by_name = dict(zip([w.name for w in robot.wheels], robot.linearizer.wheels, strict=True))
+    for pair, members in (("W1W4", ("fr", "rl")), ("W2W3", ("fl", "rr"))):
+        for member in members:
+            for way, curve in (("F", by_name[member].forward), ("B", by_name[member].backward)):
+                pair_mm_s = curve.knots[-1] * 30.0 / math.sqrt(2.0)
+                assert pair_mm_s == pytest.approx(vectors[f"{pair}_{way}"]["v_at_255"], rel=1e-12)
+                assert curve.pieces[0][0] * 255 == pytest.approx(vectors[f"{pair}_{way}"]["coeff"][3], rel=1e-14)
 
 
 def test_swerve3_stands_on_an_equilateral_triangle():
