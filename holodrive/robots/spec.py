@@ -29,8 +29,15 @@ class Motor:
         inertia_kg_m2: rotor and gear seen at the output shaft.
         current_limit_a: of the driver.
         lag_s: time constant with which the first-order plant's wheel speed follows.
-        gear: reduction, for the record.
+        gear: reduction: turns of the rotor per turn of the output shaft.
         source: where the numbers come from.
+        poles: of the rotor, two for each pole pair; the electrical angle is poles / 2 times the rotor's.
+        emf: shape of a BLDC motor's back-EMF, "trapezoid" (flat for 120 degrees) or "sine".
+        drive: how a BLDC motor is fed on the plant "motors": "averaged" (as the equivalent DC motor), "six_step"
+            (Hall sectors, one phase floating) or "foc" (currents controlled in the rotor's frame).
+
+    A BLDC motor's constants are those between two terminals: back-EMF and torque constant, resistance and inductance
+    of two phases in series; one phase has half of each.
     """
 
     name: str
@@ -48,6 +55,9 @@ class Motor:
     lag_s: float = 0.05
     gear: float = 1.0
     source: str = ""
+    poles: int = 2
+    emf: Literal["trapezoid", "sine"] = "trapezoid"
+    drive: Literal["averaged", "six_step", "foc"] = "averaged"
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,15 +71,28 @@ class Encoder:
 
 @dataclass(frozen=True, slots=True)
 class Steering:
-    """The steering servo of a swerve module.
+    """The steering of a swerve module: a servo of rate and lag, or a motor with a position loop.
 
     Attributes:
         rate_rad_s: fastest steering.
-        lag_s: time constant with which the angle follows inside that rate.
+        lag_s: time constant with which the angle follows inside that rate; of the servo, unused with a motor.
+        caster_m: how far the contact point trails behind the steering axis, against the rolling direction; below 0
+            it runs ahead.
+        coupling: wheel turns against its drive per turn of the steering, as a bevel gear on the steering axis makes
+            them; the board makes up for it.
+        motor: that steers on the plant "motors"; None keeps the servo there as well.
+        kp_v_rad, kd_v_s_rad: its position loop [V per rad of error, V per rad/s of steering rate].
+        inertia_kg_m2: of the module about its axis, without the motor.
     """
 
     rate_rad_s: float = 6.0
     lag_s: float = 0.05
+    caster_m: float = 0.0
+    coupling: float = 0.0
+    motor: Motor | None = None
+    kp_v_rad: float = 6.0
+    kd_v_s_rad: float = 0.3
+    inertia_kg_m2: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,13 +172,17 @@ class Imu:
 
 @dataclass(frozen=True, slots=True)
 class Mouse:
-    """A ball or optical mouse looking at the ground: two counters of displacement in its own axes."""
+    """A ball or optical mouse looking at the ground: two counters of displacement in its own axes.
+
+    `axes` "x" is a measuring wheel: it counts along its x axis alone and rolls freely across; its y is NaN.
+    """
 
     name: str
     mount: Pose = Pose(0.0, 0.0, 0.0)
     resolution_m: float = 1e-5
     noise_relative: float = 0.0
     source: str = ""
+    axes: Literal["xy", "x"] = "xy"
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,6 +223,7 @@ class SpeedLoop:
     kp: float = 0.5
     ki: float = 4.0
     filter_s: float = 0.03  # time constant of the encoder speed
+    feed_forward: float = 1.0  # share of the commanded speed that becomes duty at once
 
 
 @dataclass(frozen=True, slots=True)
