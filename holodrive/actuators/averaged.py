@@ -39,16 +39,16 @@ def averaged_substep(state, at, params, pt, duty, bus_v, omega_rotor, dt):  # ty
     Returns:
         Electromagnetic torque at the rotor, mean of the sub-step [N m]; before friction and gear.
     """
-    r, l, k = params[pt + RESISTANCE], params[pt + INDUCTANCE], params[pt + BACK_EMF]
+    r, tau, k = params[pt + RESISTANCE], params[pt + INDUCTANCE] / params[pt + RESISTANCE], params[pt + BACK_EMF]
     i = state[at + CURRENT_A]
-    gone = -math.expm1(-dt * r / l) if l > 0.0 else 1.0
+    gone = -math.expm1(-dt / tau)
     v, emf, limit = duty * bus_v, k * omega_rotor, params[pt + CURRENT_LIMIT]
     end = i * (1.0 - gone) + gone / r * (v - emf)
     if abs(end) > limit:
         v += (math.copysign(limit, end) - end) * r / gone
         v = min(bus_v, max(-bus_v, v))
     final = (v - emf) / r
-    gap, lag = i - final, l / r * gone
+    gap, lag = i - final, tau * gone
     charge = final * dt + gap * lag
     end = final + gap * (1.0 - gone)
     state[at + CURRENT_A], state[at + CURRENT_B] = end, -end
@@ -76,9 +76,9 @@ def coupled_step(params, pt, current, omega, volts, load, inertia, viscous, dt):
     Returns:
         Current [A] and speed [rad/s] after `dt`.
     """
-    r, l, k = params[pt + RESISTANCE], params[pt + INDUCTANCE], params[pt + BACK_EMF]
+    r, tau, k = params[pt + RESISTANCE], params[pt + INDUCTANCE] / params[pt + RESISTANCE], params[pt + BACK_EMF]
     pull = params[pt + EFFICIENCY] * k
-    a, b, c, d = -r / l, -k / l, pull / inertia, -viscous / inertia
+    a, b, c, d = -1.0 / tau, -k / (r * tau), pull / inertia, -viscous / inertia
     steady_omega = (pull * volts - r * load) / (r * viscous + pull * k)
     steady_current = (volts - k * steady_omega) / r
     half, det = 0.5 * (a + d), a * d - b * c

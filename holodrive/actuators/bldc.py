@@ -120,7 +120,7 @@ def phase_derivatives(params, pt, i_a, i_b, omega, angle, v_a, v_b, v_c, load): 
     Returns:
         di_a/dt, di_b/dt [A/s], domega/dt [rad/s^2] (viscous friction only), dangle/dt [rad/s].
     """
-    r, l, k = 0.5 * params[pt + RESISTANCE], 0.5 * params[pt + INDUCTANCE], 0.5 * params[pt + BACK_EMF]
+    r, k, per_henry = 0.5 * params[pt + RESISTANCE], 0.5 * params[pt + BACK_EMF], 2.0 / params[pt + INDUCTANCE]
     f_a = emf_shape(angle, params[pt + SINE])
     f_b = emf_shape(angle - THIRD, params[pt + SINE])
     f_c = emf_shape(angle - 2.0 * THIRD, params[pt + SINE])
@@ -128,8 +128,8 @@ def phase_derivatives(params, pt, i_a, i_b, omega, angle, v_a, v_b, v_c, load): 
     neutral = (u_a + u_b + u_c) / 3.0
     torque = k * (f_a * i_a + f_b * i_b - f_c * (i_a + i_b))
     return (
-        (u_a - neutral - r * i_a) / l,
-        (u_b - neutral - r * i_b) / l,
+        (u_a - neutral - r * i_a) * per_henry,
+        (u_b - neutral - r * i_b) * per_henry,
         (torque - load - params[pt + VISCOUS] * omega) / params[pt + INERTIA],
         params[pt + PAIRS] * omega,
     )

@@ -16,7 +16,6 @@ from holodrive.actuators.bldc import (
     ANGLE,
     BACK_EMF,
     COPPER_J,
-    CURRENT_A,
     CURRENT_LIMIT,
     FLOATING,
     HIGH,
@@ -27,9 +26,8 @@ from holodrive.actuators.bldc import (
     RESISTANCE,
     SECTOR,
     SINE,
-    THIRD,
+    SINE_PEAK,
     WORK_J,
-    emf_shape,
     wrapped,
 )
 from holodrive.leaf import leaf
@@ -83,22 +81,22 @@ def _to_edge(place, rate):  # type: ignore[no-untyped-def]
 @leaf
 def _piece(state, at, params, pt, duty, bus_v, omega, middle, h):  # type: ignore[no-untyped-def]
     """Currents over at most `h` within one sector; returns the time taken [s] and the torque's impulse [N m s]."""
-    sector = int(math.floor(middle)) % 6
+    turned = math.floor(middle)
+    sector = turned % 6
     high, low, free = HIGH[sector], LOW[sector], FLOATING[sector]
+    f_h, f_l, f_f = _shapes(sector, middle - turned, params[pt + SINE])
     if duty < 0.0:
-        high, low = low, high
-    k, r, l = 0.5 * params[pt + BACK_EMF], 0.5 * params[pt + RESISTANCE], 0.5 * params[pt + INDUCTANCE]
-    angle, sine = SECTOR * middle, params[pt + SINE]
-    f_h, f_l, f_f = emf_shape(angle - high * THIRD, sine), emf_shape(angle - low * THIRD, sine), 0.0
-    f_f = emf_shape(angle - free * THIRD, sine)
+        high, low, f_h, f_l = low, high, f_l, f_h
+    k, r, tau = 0.5 * params[pt + BACK_EMF], 0.5 * params[pt + RESISTANCE], params[pt + INDUCTANCE]
+    tau /= params[pt + RESISTANCE]
     e_h, e_l, e_f = k * omega * f_h, k * omega * f_l, k * omega * f_f
     i_h, i_l, i_f = state[at + high], state[at + low], state[at + free]
 
     # the leg's voltage, lowered or raised so far that the driver's current limit holds at the end of the piece
-    gone = -math.expm1(-h * r / l)  # 1 - exp(-h R / L)
-    v_h = _limited(
-        abs(duty) * bus_v, bus_v, i_h, i_l, e_h, e_l, e_f, i_f, gone / r, 1.0 - gone, params[pt + CURRENT_LIMIT]
-    )  # fmt: skip
+    gone = -math.expm1(-h / tau)
+    v_h = abs(duty) * bus_v
+    if params[pt + CURRENT_LIMIT] < math.inf:
+        v_h = _limited(v_h, bus_v, i_h, i_l, i_f, e_h, e_l, e_f, gone, r, params[pt + CURRENT_LIMIT])
 
     # the open phase: at ground while its current flows in, at the supply while it flows out, else off
     v_open = 0.5 * (v_h - e_h - e_l) + e_f
@@ -112,17 +110,18 @@ def _piece(state, at, params, pt, duty, bus_v, omega, middle, h):  # type: ignor
         u_h = 0.5 * (v_h - e_h + e_l)
         u_l, u_f = -u_h, 0.0
 
-    ends = i_f != 0.0 and i_f * (i_f * (1.0 - gone) + gone / r * u_f) <= 0.0
-    if ends:  # i exp(-t R / L) + (1 - exp(-t R / L)) u / R = 0
-        gone = r * i_f / (r * i_f - u_f)
-        h = min(h, -math.log1p(-gone) * l / r)
+    g = 1.0 / r
+    to_h, to_l, to_f = g * u_h, g * u_l, g * u_f  # the currents that these voltages would end at [A]
+    ends = i_f != 0.0 and i_f * (i_f + gone * (to_f - i_f)) <= 0.0
+    if ends:  # to_f + (i_f - to_f) exp(-t / tau) = 0
+        gone = i_f / (i_f - to_f)
+        h = min(h, -math.log1p(-gone) * tau)
 
-    rest = 1.0 - gone
-    q_h, heat_h = _integrals(i_h, u_h / r, h, gone, rest, l / r)
-    q_l, heat_l = _integrals(i_l, u_l / r, h, gone, rest, l / r)
-    q_f, heat_f = _integrals(i_f, u_f / r, h, gone, rest, l / r)
-    i_h = i_h * rest + gone / r * u_h
-    i_f = 0.0 if ends or not conducts else i_f * rest + gone / r * u_f
+    q_h, heat_h = _integrals(i_h, to_h, h, gone, tau)
+    q_l, heat_l = _integrals(i_l, to_l, h, gone, tau)
+    q_f, heat_f = _integrals(i_f, to_f, h, gone, tau)
+    i_h += gone * (to_h - i_h)
+    i_f = 0.0 if ends or not conducts else i_f + gone * (to_f - i_f)
     state[at + high], state[at + free], state[at + low] = i_h, i_f, -i_h - i_f
     state[at + INPUT_J] += v_h * q_h + v_f * q_f
     state[at + COPPER_J] += r * (heat_h + heat_l + heat_f)
@@ -130,33 +129,48 @@ def _piece(state, at, params, pt, duty, bus_v, omega, middle, h):  # type: ignor
 
 
 @leaf
-def _integrals(i, final, h, gone, rest, tau):  # type: ignore[no-untyped-def]
-    """Charge [C] and integral of the square [A^2 s] of a current on its way from `i` towards `final`."""
-    gap = i - final
-    charge = final * h + gap * tau * gone
-    return charge, final * final * h + gap * tau * gone * (2.0 * final + 0.5 * gap * (1.0 + rest))
+def _shapes(sector, part, sine):  # type: ignore[no-untyped-def]
+    """F of the phases that the table calls high, low and floating, a part 0 to 1 into a sector (`bldc.emf_shape`)."""
+    if sine > 0.5:
+        first, second = SINE_PEAK * math.cos(SECTOR * (1.0 - part)), SINE_PEAK * math.cos(SECTOR * part)
+        f_h, f_l = (first, -second) if sector % 2 == 0 else (second, -first)
+        return f_h, f_l, -f_h - f_l
+    falling = 1.0 - 2.0 * part
+    return 1.0, -1.0, falling if sector % 2 == 0 else -falling
 
 
 @leaf
-def _limited(v, bus_v, i_h, i_l, e_h, e_l, e_f, i_f, gain, rest, limit):  # type: ignore[no-untyped-def]
+def _integrals(i, final, h, gone, tau):  # type: ignore[no-untyped-def]
+    """Charge [C] and integral of the square [A^2 s] of a current on its way from `i` towards `final`.
+
+    Args:
+        i, final: [A].
+        h: time on the way [s].
+        gone: 1 - exp(-h / tau), the share of the way.
+        tau: L / R [s].
+    """
+    gap = i - final
+    lag = gap * tau * gone
+    return final * h + lag, final * final * h + lag * (2.0 * final + gap * (1.0 - 0.5 * gone))
+
+
+@leaf
+def _limited(v, bus_v, i_h, i_l, i_f, e_h, e_l, e_f, gone, r, limit):  # type: ignore[no-untyped-def]
     """The high leg's voltage [V], 0 to `bus_v`, with which neither driven current ends beyond `limit` [A]."""
-    if not limit < math.inf:
-        return v
-    if i_f != 0.0:
-        others, share = (0.0 if i_f > 0.0 else bus_v) - e_l - e_f, 1.0 / 3.0
-        on_h, on_l = 2.0 * share * (v - e_h) - share * others, -e_l - share * (v - e_h + others)
+    if i_f != 0.0:  # three phases conduct
+        share, v_f = 1.0 / 3.0, 0.0 if i_f > 0.0 else bus_v
+        on_h = 2.0 * share * (v - e_h) - share * (v_f - e_l - e_f)
+        on_l = -2.0 * share * e_l - share * (v - e_h + v_f - e_f)
     else:
         share = 0.5
         on_h = share * (v - e_h + e_l)
         on_l = -on_h
+    gain, rest = gone / r, 1.0 - gone
     end_h, end_l = i_h * rest + gain * on_h, i_l * rest + gain * on_l
-    slope_h, slope_l = gain * (1.0 - share), gain * share
-    over = max(0.0, abs(end_h) - limit)
-    if over > 0.0:
-        change = -math.copysign(over, end_h) / slope_h
+    if abs(end_h) > limit:
+        change = (math.copysign(limit, end_h) - end_h) / (gain * (1.0 - share))
         v += change
-        end_l -= slope_l * change
-    over = max(0.0, abs(end_l) - limit)
-    if over > 0.0:
-        v += math.copysign(over, end_l) / slope_l
+        end_l -= gain * share * change
+    if abs(end_l) > limit:
+        v += (end_l - math.copysign(limit, end_l)) / (gain * share)
     return min(bus_v, max(0.0, v))
