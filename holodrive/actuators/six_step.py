@@ -33,7 +33,8 @@ from holodrive.actuators.bldc import (
 from holodrive.leaf import leaf
 
 _PIECES = 32  # most cuts of one sub-step; the last takes what is left
-_INSTANT = 1e-12  # s, a piece that is not worth its own
+_INSTANT = 1e-12  # of a sub-step: a piece that is not worth its own
+_CORRECTIONS = 3  # of a voltage by the current limit; each is exact where two phases conduct
 
 
 @leaf
@@ -92,22 +93,27 @@ def _piece(state, at, params, pt, duty, bus_v, omega, middle, h):  # type: ignor
     e_h, e_l, e_f = k * omega * f_h, k * omega * f_l, k * omega * f_f
     i_h, i_l, i_f = state[at + high], state[at + low], state[at + free]
 
-    # the leg's voltage, lowered or raised so far that the driver's current limit holds at the end of the piece
-    gone = -math.expm1(-h / tau)
-    v_h = abs(duty) * bus_v
-    if params[pt + CURRENT_LIMIT] < math.inf:
-        v_h = _limited(v_h, bus_v, i_h, i_l, i_f, e_h, e_l, e_f, gone, r, params[pt + CURRENT_LIMIT])
-
     # the open phase: at ground while its current flows in, at the supply while it flows out, else off
-    v_open = 0.5 * (v_h - e_h - e_l) + e_f
+    gone = -math.expm1(-h / tau)
+    limit = params[pt + CURRENT_LIMIT]
+    v = abs(duty) * bus_v
+    if limit < math.inf:
+        v_f = bus_v if i_f < 0.0 else 0.0
+        v = _limited(v, bus_v, i_h, i_l, e_h, e_l, v_f - e_f, i_f != 0.0, gone, r, limit)
+    v_open = 0.5 * (abs(v) - e_h - e_l) + e_f
     on_supply = i_f < 0.0 or (i_f == 0.0 and v_open > bus_v)
     conducts = i_f != 0.0 or on_supply or v_open < 0.0
     v_f = bus_v if on_supply else 0.0
+    if limit < math.inf and conducts and i_f == 0.0:
+        v = _limited(v, bus_v, i_h, i_l, e_h, e_l, v_f - e_f, True, gone, r, limit)
+
+    v_h, v_l = max(v, 0.0), max(-v, 0.0)
     if conducts:
-        neutral = (v_h + v_f - e_h - e_l - e_f) / 3.0
-        u_h, u_l, u_f = v_h - e_h - neutral, -e_l - neutral, v_f - e_f - neutral
-    else:
-        u_h = 0.5 * (v_h - e_h + e_l)
+        neutral = (v_h + v_l + v_f - e_h - e_l - e_f) / 3.0
+        u_h, u_l, u_f = v_h - e_h - neutral, v_l - e_l - neutral, v_f - e_f - neutral
+        conducts = i_f != 0.0 or (u_f < 0.0) == on_supply  # a limit may have taken the diode's voltage away
+    if not conducts:
+        u_h = 0.5 * (v - e_h + e_l)
         u_l, u_f = -u_h, 0.0
 
     g = 1.0 / r
@@ -123,7 +129,7 @@ def _piece(state, at, params, pt, duty, bus_v, omega, middle, h):  # type: ignor
     i_h += gone * (to_h - i_h)
     i_f = 0.0 if ends or not conducts else i_f + gone * (to_f - i_f)
     state[at + high], state[at + free], state[at + low] = i_h, i_f, -i_h - i_f
-    state[at + INPUT_J] += v_h * q_h + v_f * q_f
+    state[at + INPUT_J] += v_h * q_h + v_l * q_l + v_f * q_f
     state[at + COPPER_J] += r * (heat_h + heat_l + heat_f)
     return h, k * (f_h * q_h + f_l * q_l + f_f * q_f)
 
@@ -155,22 +161,34 @@ def _integrals(i, final, h, gone, tau):  # type: ignore[no-untyped-def]
 
 
 @leaf
-def _limited(v, bus_v, i_h, i_l, i_f, e_h, e_l, e_f, gone, r, limit):  # type: ignore[no-untyped-def]
-    """The high leg's voltage [V], 0 to `bus_v`, with which neither driven current ends beyond `limit` [A]."""
-    if i_f != 0.0:  # three phases conduct
-        share, v_f = 1.0 / 3.0, 0.0 if i_f > 0.0 else bus_v
-        on_h = 2.0 * share * (v - e_h) - share * (v_f - e_l - e_f)
-        on_l = -2.0 * share * e_l - share * (v - e_h + v_f - e_f)
-    else:
-        share = 0.5
-        on_h = share * (v - e_h + e_l)
-        on_l = -on_h
+def _limited(v, bus_v, i_h, i_l, e_h, e_l, u_f, three, gone, r, limit):  # type: ignore[no-untyped-def]
+    """The voltage from high to low with which neither driven current ends beyond `limit` [V].
+
+    Args:
+        v: asked for, the high leg's over the low one's [V]; the answer may be below 0 (the low leg's over the high
+            one's), for against its own EMF a motor draws more than the limit at 0 V.
+        bus_v: of the supply [V].
+        i_h, i_l: driven currents at the start [A].
+        e_h, e_l: their EMFs [V].
+        u_f: voltage over the open phase but for the neutral's, counts where it conducts [V].
+        three: whether it does.
+        gone: share of the way to the final currents.
+        r: of a phase [ohm].
+        limit: [A].
+    """
     gain, rest = gone / r, 1.0 - gone
-    end_h, end_l = i_h * rest + gain * on_h, i_l * rest + gain * on_l
-    if abs(end_h) > limit:
-        change = (math.copysign(limit, end_h) - end_h) / (gain * (1.0 - share))
-        v += change
-        end_l -= gain * share * change
-    if abs(end_l) > limit:
-        v += (end_l - math.copysign(limit, end_l)) / (gain * share)
-    return min(bus_v, max(0.0, v))
+    for _ in range(_CORRECTIONS):
+        u_h, u_l = max(v, 0.0) - e_h, max(-v, 0.0) - e_l
+        neutral = (u_h + u_l + u_f) / 3.0 if three else 0.5 * (u_h + u_l)
+        end_h, end_l = i_h * rest + gain * (u_h - neutral), i_l * rest + gain * (u_l - neutral)
+        over_h, over_l = abs(end_h) - limit, abs(end_l) - limit
+        if over_h <= 0.0 and over_l <= 0.0:
+            break
+        own = gain * (2.0 / 3.0 if three else 0.5)  # of the leg that is switched; the other's current moves by the rest
+        other = gain * (1.0 / 3.0 if three else 0.5)
+        if over_h >= over_l:
+            v -= math.copysign(over_h, end_h) / (own if v > 0.0 else other)
+        else:
+            v += math.copysign(over_l, end_l) / (other if v > 0.0 else own)
+        v = min(bus_v, max(-bus_v, v))
+    return v
