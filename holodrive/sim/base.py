@@ -24,7 +24,7 @@ class SimBase:
 
     Attributes:
         robot, world: as given.
-        plant: "first_order", "slip" or "pwm_map".
+        plant: "first_order", "slip", "pwm_map" or "motors".
         seed: of all noise.
         dt_s: physics step [s].
     """
@@ -44,7 +44,7 @@ class SimBase:
         self._model, self._obstacles = md.model_of(robot, dt_s), obstacles_of(world)
         self._names = obstacle_names(world)
         self._key = np.uint64(key_of(seed, 0))  # a plain int would reach the kernels as int64
-        self._state, self._event_rows, self._ranges, self._pending = kernels.scratch(self._model)
+        self._state, self._event_rows, self._ranges, self._pending = kernels.scratch(self._plant, self._model)
         self._n, self._m, self._mice = len(robot.wheels), len(robot.steered), len(robot.mice)
         self._angles = md.beam_angles(self._model)
         self._offsets = self._model[md.BEAM_PERIOD] * (np.arange(len(self._angles)) + 1.0 - len(self._angles))
@@ -153,7 +153,7 @@ class SimBase:
     @property
     def energy_j(self) -> float:
         """Drawn from the battery since start [J]; NaN with the plants that know no currents."""
-        return float(self._state[st.ENERGY]) if self._plant == kernels.SLIP else math.nan
+        return float(self._state[st.ENERGY]) if self._plant in (kernels.SLIP, kernels.MOTORS) else math.nan
 
     @property
     def fault(self) -> str:

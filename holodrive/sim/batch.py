@@ -126,7 +126,7 @@ def rollout(
         params: of the controller, packed, (p,) or (n, p); the plug's own when None.
         starts: (3,) or (n, 3) poses; the world's own when None.
         goals: (3,) or (n, 3) poses, instead of `reference`.
-        plant: "first_order", "slip" or "pwm_map".
+        plant: "first_order", "slip", "pwm_map" or "motors".
         log_every: control ticks from one row of the log to the next; None logs nothing.
         stop_on_arrival: end a robot's run when its controller says that it is there.
         workers: threads; all cores when None.
@@ -154,7 +154,7 @@ def rollout(
         kinematics.memory_size(kin),
     )
     log = np.full((n, rows, len(columns)), math.nan)
-    accs, states = np.zeros((n, metrics.SIZE)), np.zeros((n, st.SIZE))
+    accs, states = np.zeros((n, metrics.SIZE)), np.zeros((n, period.state_size(number, model)))
     events = np.zeros((n, MAX_EVENTS, st.EVENT_SIZE))
     default = _packed(controller, robot)
     own = default if params is None else params

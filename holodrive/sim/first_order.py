@@ -96,11 +96,16 @@ def steer(model, state, n):  # type: ignore[no-untyped-def]
     """One step of the steering servos: lag inside a rate limit."""
     for i in range(n):
         w = md.WHEELS + i * md.BLOCK
-        j = int(model[w + md.STEERED])
-        if j >= 0:
-            step = (state[st.STEER_COMMAND + j] - state[st.STEER + j]) * model[w + md.TURN]
-            limit = model[w + md.TURN_LIMIT]
-            state[st.STEER + j] += min(limit, max(-limit, step))
+        if model[w + md.STEERED] >= 0.0:
+            servo_step(model, state, w)
+
+
+@leaf
+def servo_step(model, state, w):  # type: ignore[no-untyped-def]
+    """One step of the steering servo of the wheel whose block begins at `w`."""
+    j, limit = int(model[w + md.STEERED]), model[w + md.TURN_LIMIT]
+    step = (state[st.STEER_COMMAND + j] - state[st.STEER + j]) * model[w + md.TURN]
+    state[st.STEER + j] += min(limit, max(-limit, step))
 
 
 @leaf

@@ -15,6 +15,7 @@ from holodrive.errors import InputError
 from holodrive.kinematics import Chassis
 from holodrive.layout import MAX_MICE, MAX_WHEELS
 from holodrive.robots.spec import Imu, Lidar, Robot
+from holodrive.sim import motor_blocks
 from holodrive.sim.loads import GRAVITY, wheel_loads
 from holodrive.types import Array
 
@@ -50,7 +51,11 @@ BEAMS_AT = 40  # where the cosines of the beams begin; their sines follow
 ALIKE = 41  # 1 when no wheel is steered and all have one lag
 MAP_AT = 42  # where the measured actuators begin; 0 = none
 LINEARIZER_AT = 43  # where the motor board's curves begin; 0 = none
-WHEELS = 44  # the first wheel's block begins here
+MOTORS_AT = 44  # where the motors begin: a block for each drive, then one for each steering
+SUBSTEPS = 45  # of a physics step on the plant "motors"
+LOOP_SHARE = 46  # share of a new wheel speed that the board lets in at each physics step, plant "motors"
+LOOP_AHEAD = 47  # share of feed-forward
+WHEELS = 48  # the first wheel's block begins here
 
 # --- block of a wheel ----------------------------------------------------------------------------
 STEERED = 0  # place in steering arrays, or -1
@@ -113,9 +118,12 @@ def model_of(robot: Robot, dt_s: float) -> Array:
     actuators = _actuators(robot, robot.control_period_s / steps)
     board = duty_curve.pack(robot.linearizer.wheels) if robot.linearizer else np.zeros(0)
     ahead = WHEELS + n * BLOCK + mice * MOUSE + 2 * beams
-    model = np.concatenate([np.zeros(ahead), actuators, board])
+    motors = motor_blocks.pack(robot)
+    model = np.concatenate([np.zeros(ahead), actuators, board, motors])
     model[MAP_AT] = ahead if len(actuators) else 0
     model[LINEARIZER_AT] = ahead + len(actuators) if len(board) else 0
+    model[MOTORS_AT] = ahead + len(actuators) + len(board)
+    model[SUBSTEPS] = motor_blocks.substeps(robot, robot.control_period_s / steps)
     model[N], model[M], model[MICE], model[STEPS] = n, len(robot.steered), mice, steps
     model[MICE_AT] = WHEELS + n * BLOCK
     model[BEAMS_AT] = model[MICE_AT] + mice * MOUSE
@@ -146,6 +154,8 @@ def _body(model: Array, robot: Robot, dt: float) -> None:
     model[BATTERY_V], model[BATTERY_R], model[BATTERY_C] = battery.voltage_v, battery.resistance_ohm, battery.capacity_c
     model[LOOP_KP], model[LOOP_KI] = loop.kp, loop.ki
     model[LOOP_FILTER] = 1.0 - lag_factors(loop.filter_s, robot.control_period_s)[0]
+    model[LOOP_SHARE] = 1.0 - lag_factors(loop.filter_s, dt)[0]
+    model[LOOP_AHEAD] = loop.feed_forward
 
 
 def _wheels(model: Array, robot: Robot, dt: float) -> None:

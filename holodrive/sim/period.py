@@ -11,17 +11,19 @@ from holodrive.errors import InputError, UnknownName
 from holodrive.leaf import leaf, set_all
 from holodrive.robots.spec import Robot
 from holodrive.sim import model as md
+from holodrive.sim import motor_blocks
 from holodrive.sim import state as st
 from holodrive.sim.contact import free_distance, write_event
 from holodrive.sim.first_order import first_order_period
+from holodrive.sim.motors import motors_period
 from holodrive.sim.pwm_map import pwm_map_period
 from holodrive.sim.sensors import sense
 from holodrive.sim.slip import slip_period
 from holodrive.types import Array
 
-FIRST_ORDER, SLIP, PWM_MAP = 0, 1, 2  # plants
+FIRST_ORDER, SLIP, PWM_MAP, MOTORS = 0, 1, 2, 3  # plants
 _DEAD = 1e-200
-PLANTS = {"first_order": FIRST_ORDER, "slip": SLIP, "pwm_map": PWM_MAP}
+PLANTS = {"first_order": FIRST_ORDER, "slip": SLIP, "pwm_map": PWM_MAP, "motors": MOTORS}
 
 
 @leaf
@@ -78,7 +80,8 @@ def accept(model, state, events, values, steer, direct):  # type: ignore[no-unty
 @leaf
 def advance(plant, model, obstacles, state, events, key, ranges, pending):  # type: ignore[no-untyped-def]
     """One control period: speed loop, physics, sensors. The robot must not stand still in time afterwards."""
-    drive(model, state)
+    if plant != MOTORS:  # the board of that plant runs within the period
+        drive(model, state)
     if plant == PWM_MAP:
         drive_measured(model, state)
     for i in range(3):
@@ -88,6 +91,8 @@ def advance(plant, model, obstacles, state, events, key, ranges, pending):  # ty
         first_order_period(model, obstacles, state, events)
     elif plant == SLIP:
         slip_period(model, obstacles, state, events)
+    elif plant == MOTORS:
+        motors_period(model, obstacles, state, events)
     else:
         pwm_map_period(model, obstacles, state, events, key)
     flush(state, st.TWIST, 3)
@@ -118,7 +123,7 @@ def drive(model, state):  # type: ignore[no-untyped-def]
             state[st.DUTY + i] = min(1.0, max(-1.0, command * unit))
         else:
             state[st.DUTY + i], state[st.INTEGRAL + i] = speed_loop_step(
-                command, state[st.MEASURED + i], state[st.INTEGRAL + i], unit, kp, ki, period
+                command, state[st.MEASURED + i], state[st.INTEGRAL + i], unit, kp, ki, period, model[md.LOOP_AHEAD]
             )
 
 
@@ -172,19 +177,32 @@ def plant_number(robot: Robot, plant: str) -> int:
 
     Raises:
         UnknownName: no such plant.
-        InputError: the robot's actuators were never measured, which "pwm_map" needs.
+        InputError: the robot's actuators were never measured, which "pwm_map" needs, or its motors are not
+            described well enough for "motors".
     """
     if plant not in PLANTS:
         raise UnknownName("plant", plant, PLANTS)
     if plant == "pwm_map" and robot.pwm_map is None:
         raise InputError(
             f"{robot.name} has no [pwm_map], which the plant pwm_map simulates; add one to its file, "
-            "or choose the plant first_order or slip"
+            "or choose the plant first_order, slip or motors"
         )
+    if plant == "motors":
+        motor_blocks.check(robot)
     return PLANTS[plant]
 
 
-def scratch(model: Array, events: int = 64) -> tuple[Array, Array, Array, Array]:
+def state_size(plant: int, model: Array) -> int:
+    """How long the state row of one robot is."""
+    return st.MOTOR + st.MOTOR_ROW * int(model[md.N] + model[md.M]) if plant == MOTORS else st.SIZE
+
+
+def scratch(plant: int, model: Array, events: int = 64) -> tuple[Array, Array, Array, Array]:
     """State row, event table, newest scan and scan under way of one robot."""
     beams = int(model[md.BEAMS])
-    return np.zeros(st.SIZE), np.zeros((events, st.EVENT_SIZE)), np.full(beams, math.nan), np.zeros(beams)
+    return (
+        np.zeros(state_size(plant, model)),
+        np.zeros((events, st.EVENT_SIZE)),
+        np.full(beams, math.nan),
+        np.zeros(beams),
+    )

@@ -18,7 +18,7 @@ from holodrive.references import MEMORY_SIZE, OUT_SIZE, reference_step
 from holodrive.sim import model as md
 from holodrive.sim import state as st
 from holodrive.sim.contact import free_distance
-from holodrive.sim.period import SLIP, accept, advance, fill
+from holodrive.sim.period import MOTORS, SLIP, accept, advance, fill
 from holodrive.sim.period import start as put_at
 
 TWIST, WHEELS, DUTY = 0, 1, 2  # kinds of command
@@ -154,7 +154,7 @@ def run_robot(  # type: ignore[no-untyped-def]
         if stop_on_arrival and command[layout.ARRIVED] != 0.0:
             break
     acc[metrics.COLLISIONS], acc[metrics.MOVED_COLLISIONS] = state[st.COLLISIONS], state[st.MOVED_COLLISIONS]
-    acc[metrics.ENERGY] = state[st.ENERGY] if plant == SLIP else math.nan
+    acc[metrics.ENERGY] = state[st.ENERGY] if plant in (SLIP, MOTORS) else math.nan
     metrics.finish(acc)
 
 

@@ -51,6 +51,33 @@ CONTACT = WAIT + MAX_WHEELS  # n rows: scratch of the slip plant, see there
 CONTACT_ROW = 16
 SIZE = CONTACT + CONTACT_ROW * MAX_WHEELS
 
+# --- plant "motors" only, see there: numbers of the body, then a row for each drive motor and each steering ----------
+BUS_CURRENT = SIZE  # A that the drivers drew in the last physics step
+CARRIED = BUS_CURRENT + 1  # 3: twist of the centre of mass at the end of that step, in its axes
+MASS = CARRIED + 3  # 6: what the body and all shafts do together in this step, upper triangle of a matrix
+MOTOR = SIZE + 16  # the rows: n drive motors, then m steerings
+MOTOR_ELECTRIC = 0  # 16: currents, electrical angle and sums, see `actuators.bldc`
+MOTOR_SPEED = 16  # rad/s of the output shaft
+MOTOR_DUTY = 17  # -1..1
+MOTOR_MEASURED = 18  # rad/s, the board's filtered speed of a wheel
+MOTOR_TARGET = 18  # rad, the board's target of a steering
+MOTOR_INTEGRAL = 19  # rad/s, of the loop of a drive
+MOTOR_LAST = 19  # rad, the command of a steering one tick ago
+MOTOR_ACCEL = 20  # rad/s^2 in the last sub-step
+MOTOR_TURNED = 21  # rad in this physics step
+MOTOR_READY = 22  # N m: scratch of a sub-step
+MOTOR_LEVER = 23  # 3: twist of the centre of mass per speed of the shaft; m, m, 1
+MOTOR_TORQUE = 26  # N m behind gear and its losses, mean of the last control period; and so are the next three
+MOTOR_CURRENT = 27  # A that make torque: the current of the equivalent DC motor
+MOTOR_INPUT = 28  # W from the drivers; below 0 while it brakes
+MOTOR_OUTPUT = 29  # W that the shaft gives to the load
+MOTOR_INPUT_J, MOTOR_COPPER_J, MOTOR_OUTPUT_J = 30, 31, 32  # J since start: electrical, lost in copper, at the shaft
+MOTOR_SHAFT_J = 33  # J at the shaft in this control period
+MOTOR_MOVING = 34  # rad/s, how fast the commands of a steering move
+MOTOR_FROM = 35  # rad, a steering's angle at the start of this physics step
+MOTOR_IMPULSE = 36  # N m s of the rotor in this control period
+MOTOR_ROW = 37
+
 # --- event table: one row for each event of a robot ----------------------------------------------
 EVENT_TIME = 0  # s
 EVENT_KIND = 1  # COLLISION or COMMAND_FAULT

@@ -1,0 +1,355 @@
+"""The plant of motors: each drive and each steering with its own electromechanics, sub-stepped; no slip.
+
+    D_k dq_k/dt = eta g T_k - drag_k(q_k) q_k - G_k . f,   f = M dxi/dt,   xi = sum_k G_k q_k
+
+q are the speeds of the output shafts (drives, then steerings), D what turns with each, T the torque at the rotor
+behind a gear of g to 1, xi the twist of the centre of mass that the wheels make, M the robot's mass and inertia, f
+what the body's inertia puts against the shafts. The body moves as its wheels say, by least squares (as on the plant
+"first_order"), and G are the columns of that map at the present steering angles; so in a straight line n wheels
+carry m r^2 / n each, and in a turn on the spot I r^2 / sum |p|^2. All shafts of one sub-step are solved together,
+
+    f = (M^-1 + G D^-1 G^T)^-1 G D^-1 t,   t the torques of motors and friction.
+
+When the modules turn, the same shafts make another twist: the body keeps its momentum, and the shafts take what that
+costs. So a robot that spins while it drives straight needs no force for it.
+
+The board runs once a physics step. It holds the command of the control tick, and its loops are those of
+`actuators.speed_loop` (drives) and of `robots.spec.Steering`: voltage = kp (target - angle) - kd rate.
+"""
+
+import math
+
+from holodrive import obstacles as ob
+from holodrive.actuators.averaged import averaged_substep
+from holodrive.actuators.bldc import (
+    BACK_EMF,
+    COPPER_J,
+    CURRENT_A,
+    CURRENT_B,
+    CURRENT_C,
+    EFFICIENCY,
+    GEAR,
+    INDUCTANCE,
+    INPUT_J,
+    RESISTANCE,
+)
+from holodrive.actuators.dc_motor import bus_voltage, dry_friction
+from holodrive.actuators.six_step import six_step_substep
+from holodrive.actuators.speed_loop import speed_loop_step
+from holodrive.leaf import leaf
+from holodrive.sim import model as md
+from holodrive.sim import motor_blocks as mb
+from holodrive.sim import state as st
+from holodrive.sim.contact import keep_outside
+from holodrive.sim.first_order import servo_step, twist_of_wheels, with_wheel
+from holodrive.sim.turn import turn_factors
+
+_DEAD = 1e-200  # A, rad/s
+
+
+@leaf
+def motors_period(model, obstacles, state, events):  # type: ignore[no-untyped-def]
+    """One control period of physics steps with the commands in `state`."""
+    n, m, steps, dt = int(model[md.N]), int(model[md.M]), int(model[md.STEPS]), model[md.DT]
+    fastest = obstacles[ob.FASTEST] * dt
+    moved_x = moved_y = moved_turn = 0.0
+    for k in range(steps):
+        bus = supply(model, state, n + m)
+        board(model, state, n, m, k * dt)
+        levers(model, state, n, m)
+        vx, vy, omega = shafts(model, state, n, m, bus)
+        dx, dy, turn = vx * dt, vy * dt, omega * dt
+        moved_x, moved_y, moved_turn = moved_x + dx, moved_y + dy, moved_turn + turn
+        sine, versine = turn_factors(turn)
+        ux, uy = sine * dx - versine * dy, versine * dx + sine * dy
+        c, s = math.cos(state[st.POSE + 2]), math.sin(state[st.POSE + 2])
+        state[st.POSE] += c * ux - s * uy
+        state[st.POSE + 1] += s * ux + c * uy
+        state[st.POSE + 2] += turn
+        state[st.FREE] -= abs(dx) + abs(dy) + fastest
+        if state[st.FREE] < 0.0 or k == steps - 1:
+            twist_of_wheels(model, state, n)
+        if state[st.FREE] < 0.0:
+            keep_outside(model, obstacles, state, events, (state[st.TICK] * steps + k + 1) * dt)
+    state[st.MOVED], state[st.MOVED + 1], state[st.MOVED + 2] = moved_x, moved_y, moved_turn
+    tell(model, state, n, m)
+
+
+@leaf
+def supply(model, state, count):  # type: ignore[no-untyped-def]
+    """Voltage [V] of the battery under what the drivers drew in the last step, and under what their duties change.
+
+    Solved with the motors' conductances, so that a weak battery does not swing from step to step. What braking gives
+    back is burnt, not stored.
+    """
+    last, drawn, per_volt = state[st.VOLTAGE], max(0.0, state[st.BUS_CURRENT]), 0.0
+    for k in range(count):
+        at, p = st.MOTOR + k * st.MOTOR_ROW, int(model[md.MOTORS_AT]) + k * mb.BLOCK
+        if model[p + mb.KIND] != mb.SERVO:
+            duty = state[at + st.MOTOR_DUTY]
+            per_volt += duty * duty / (model[p + RESISTANCE] + model[p + INDUCTANCE] / model[md.DT])
+    full = model[md.BATTERY_V] if state[st.CHARGE] < model[md.BATTERY_C] else 0.0
+    voltage = max(0.0, bus_voltage(full, model[md.BATTERY_R], drawn - per_volt * last, per_volt))
+    state[st.VOLTAGE] = voltage
+    return voltage
+
+
+@leaf
+def board(model, state, n, m, since):  # type: ignore[no-untyped-def]
+    """The duties of this physics step, which begins `since` [s] after the control tick."""
+    for j in range(m):
+        steer_loop(model, state, n, j, since)
+    for i in range(n):
+        drive_loop(model, state, n, i)
+
+
+@leaf
+def drive_loop(model, state, n, i):  # type: ignore[no-untyped-def]
+    """Duty of one drive; by feed-forward alone where the wheel's speed is not measured."""
+    at, p, w = st.MOTOR + i * st.MOTOR_ROW, int(model[md.MOTORS_AT]) + i * mb.BLOCK, md.WHEELS + i * md.BLOCK
+    command, unit, j = state[st.COMMAND + i], model[w + md.PER_NO_LOAD], int(model[w + md.STEERED])
+    measured = state[at + st.MOTOR_MEASURED]
+    measured += model[md.LOOP_SHARE] * (state[st.WHEEL_SPEED + i] - measured)
+    state[at + st.MOTOR_MEASURED] = measured
+    if state[st.DIRECT] != 0.0:
+        duty, state[at + st.MOTOR_INTEGRAL] = command, 0.0
+    elif math.isnan(model[w + md.COUNT_RAD]):
+        duty = command * unit
+    else:
+        duty, state[at + st.MOTOR_INTEGRAL] = speed_loop_step(
+            command,
+            measured,
+            state[at + st.MOTOR_INTEGRAL],
+            unit,
+            model[md.LOOP_KP],
+            model[md.LOOP_KI],
+            model[md.DT],
+            model[md.LOOP_AHEAD],
+        )
+    if j >= 0 and model[p + mb.COUPLING] != 0.0 and state[st.DIRECT] == 0.0:
+        # the steering turns the wheel against its drive: the board adds the drive speed that makes up for it
+        duty += model[p + mb.COUPLING] * state[st.MOTOR + (n + j) * st.MOTOR_ROW + st.MOTOR_SPEED] * unit
+    duty = min(1.0, max(-1.0, duty))
+    state[at + st.MOTOR_DUTY] = state[st.DUTY + i] = duty
+
+
+@leaf
+def steer_loop(model, state, n, j, since):  # type: ignore[no-untyped-def]
+    """Duty of one steering motor, towards a target that moves at no more than the steering's rate.
+
+    With feed-forward the target moves evenly through the control tick, so that its mean is what was commanded, and
+    the rate's own voltage is added: a module that turns steadily follows without lag.
+    """
+    at, p = st.MOTOR + (n + j) * st.MOTOR_ROW, int(model[md.MOTORS_AT]) + (n + j) * mb.BLOCK
+    command, rate, ahead = state[st.STEER_COMMAND + j], model[p + mb.RATE], model[md.LOOP_AHEAD]
+    period, dt = model[md.PERIOD], model[md.DT]
+    if since == 0.0:
+        moving = (command - state[at + st.MOTOR_LAST]) / period
+        state[at + st.MOTOR_LAST], state[at + st.MOTOR_MOVING] = command, min(rate, max(-rate, moving))
+    if model[p + mb.KIND] == mb.SERVO:
+        return
+    moving, old = ahead * state[at + st.MOTOR_MOVING], state[at + st.MOTOR_TARGET]
+    goal = command + moving * (since - 0.5 * period)
+    target = old + min(rate * dt, max(-rate * dt, goal - old))
+    state[at + st.MOTOR_TARGET] = target
+    volts = model[p + mb.KP] * (target - state[st.STEER + j]) - model[p + mb.KD] * state[at + st.MOTOR_SPEED]
+    volts += moving * (model[p + mb.KD] + model[p + mb.AHEAD])
+    state[at + st.MOTOR_DUTY] = min(1.0, max(-1.0, volts / model[p + mb.NOMINAL]))
+
+
+@leaf
+def levers(model, state, n, m):  # type: ignore[no-untyped-def]
+    """What each shaft makes of the body's motion in this step, at the steering angles of its middle.
+
+    Servos move here; angles in `state` stand at the middle of the step until `shafts` has taken it.
+    """
+    dt = model[md.DT]
+    for j in range(m):
+        at, p = st.MOTOR + (n + j) * st.MOTOR_ROW, int(model[md.MOTORS_AT]) + (n + j) * mb.BLOCK
+        old = state[st.STEER + j]
+        state[at + st.MOTOR_FROM] = old
+        if model[p + mb.KIND] == mb.SERVO:
+            servo_step(model, state, md.WHEELS + int(model[p + mb.PLACE]) * md.BLOCK)
+            state[at + st.MOTOR_SPEED] = (state[st.STEER + j] - old) / dt
+        state[st.STEER + j] = old + 0.5 * dt * state[at + st.MOTOR_SPEED]
+    for i in range(n):
+        drive, w = st.MOTOR + i * st.MOTOR_ROW + st.MOTOR_LEVER, md.WHEELS + i * md.BLOCK
+        gx, gy, gw = with_wheel(model, state, w, 1.0, 0.0, 0.0, 0.0)
+        gx, gy = gx - gw * model[md.COM_Y], gy + gw * model[md.COM_X]
+        state[drive], state[drive + 1], state[drive + 2] = gx, gy, gw
+        j = int(model[w + md.STEERED])
+        if j >= 0:
+            steering = st.MOTOR + (n + j) * st.MOTOR_ROW + st.MOTOR_LEVER
+            back = -model[int(model[md.MOTORS_AT]) + i * mb.BLOCK + mb.COUPLING]
+            state[steering], state[steering + 1], state[steering + 2] = back * gx, back * gy, back * gw
+    join(model, state, n + m)
+    carry(model, state, n + m)
+
+
+@leaf
+def join(model, state, count):  # type: ignore[no-untyped-def]
+    """(M^-1 + G D^-1 G^T)^-1, upper triangle into `state`: mass of the body that the shafts feel together."""
+    a11 = a22 = 1.0 / model[md.MASS]
+    a33, a12, a13, a23 = 1.0 / model[md.INERTIA], 0.0, 0.0, 0.0
+    for k in range(count):
+        p, g = int(model[md.MOTORS_AT]) + k * mb.BLOCK, st.MOTOR + k * st.MOTOR_ROW + st.MOTOR_LEVER
+        if model[p + mb.KIND] != mb.SERVO:
+            ease, gx, gy, gw = 1.0 / model[p + mb.INERTIA], state[g], state[g + 1], state[g + 2]
+            a11, a22, a33 = a11 + ease * gx * gx, a22 + ease * gy * gy, a33 + ease * gw * gw
+            a12, a13, a23 = a12 + ease * gx * gy, a13 + ease * gx * gw, a23 + ease * gy * gw
+    c11, c12, c13 = a22 * a33 - a23 * a23, a13 * a23 - a12 * a33, a12 * a23 - a13 * a22
+    part = 1.0 / (a11 * c11 + a12 * c12 + a13 * c13)
+    state[st.MASS], state[st.MASS + 1], state[st.MASS + 2] = part * c11, part * c12, part * c13
+    state[st.MASS + 3] = part * (a11 * a33 - a13 * a13)
+    state[st.MASS + 4] = part * (a12 * a13 - a11 * a23)
+    state[st.MASS + 5] = part * (a11 * a22 - a12 * a12)
+
+
+@leaf
+def felt(state, x, y, w):  # type: ignore[no-untyped-def]
+    """The matrix of `join` times a vector."""
+    m11, m12, m13 = state[st.MASS], state[st.MASS + 1], state[st.MASS + 2]
+    m22, m23, m33 = state[st.MASS + 3], state[st.MASS + 4], state[st.MASS + 5]
+    return m11 * x + m12 * y + m13 * w, m12 * x + m22 * y + m23 * w, m13 * x + m23 * y + m33 * w
+
+
+@leaf
+def carry(model, state, count):  # type: ignore[no-untyped-def]
+    """Bring the body's momentum from the last step, and the last angles, over to these: an impulse on all shafts."""
+    cx, cy, cw = state[st.CARRIED], state[st.CARRIED + 1], state[st.CARRIED + 2]
+    sine, versine = turn_factors(cw * model[md.DT])
+    sine, versine = sine * cw * model[md.DT], versine * cw * model[md.DT]
+    x, y = cx - versine * cx + sine * cy, cy - versine * cy - sine * cx  # the same velocity in axes that have turned
+    mx, my, mw = made(state, count)
+    fx, fy, fw = felt(state, x - mx, y - my, cw - mw)
+    for k in range(count):
+        at, p = st.MOTOR + k * st.MOTOR_ROW, int(model[md.MOTORS_AT]) + k * mb.BLOCK
+        if model[p + mb.KIND] != mb.SERVO:
+            state[at + st.MOTOR_SPEED] += against(state, at, fx, fy, fw) / model[p + mb.INERTIA]
+
+
+@leaf
+def made(state, count):  # type: ignore[no-untyped-def]
+    """Twist (3) of the centre of mass that all shafts make."""
+    x = y = w = 0.0
+    for k in range(count):
+        at = st.MOTOR + k * st.MOTOR_ROW
+        g, speed = at + st.MOTOR_LEVER, state[at + st.MOTOR_SPEED]
+        x, y, w = x + state[g] * speed, y + state[g + 1] * speed, w + state[g + 2] * speed
+    return x, y, w
+
+
+@leaf
+def against(state, at, fx, fy, fw):  # type: ignore[no-untyped-def]
+    """Torque [N m] of a wrench at the centre of mass about the shaft of a row."""
+    g = at + st.MOTOR_LEVER
+    return state[g] * fx + state[g + 1] * fy + state[g + 2] * fw
+
+
+@leaf
+def shafts(model, state, n, m, bus):  # type: ignore[no-untyped-def]
+    """All motors over one physics step; returns the body's mean twist (3), `base_link` axes."""
+    count, dt, parts = n + m, model[md.DT], int(model[md.SUBSTEPS])
+    before = 0.0
+    for k in range(count):
+        before += state[st.MOTOR + k * st.MOTOR_ROW + INPUT_J]
+        state[st.MOTOR + k * st.MOTOR_ROW + st.MOTOR_TURNED] = 0.0
+    for _ in range(parts):
+        substep(model, state, count, bus, dt / parts)
+    spent, x, y, w = -before, 0.0, 0.0, 0.0
+    for k in range(count):
+        at = st.MOTOR + k * st.MOTOR_ROW
+        if model[int(model[md.MOTORS_AT]) + k * mb.BLOCK + mb.KIND] == mb.SERVO:
+            state[at + st.MOTOR_TURNED] = state[at + st.MOTOR_SPEED] * dt
+        g, mean = at + st.MOTOR_LEVER, state[at + st.MOTOR_TURNED] / dt
+        x, y, w = x + state[g] * mean, y + state[g + 1] * mean, w + state[g + 2] * mean
+        spent += state[at + INPUT_J]
+    state[st.CARRIED], state[st.CARRIED + 1], state[st.CARRIED + 2] = made(state, count)
+    settle(model, state, n, m)
+    current = max(0.0, spent) / (dt * bus) if bus > 0.0 else 0.0
+    state[st.BUS_CURRENT] = current
+    state[st.CHARGE] += current * dt
+    state[st.ENERGY] += max(0.0, spent)
+    return x + w * model[md.COM_Y], y - w * model[md.COM_X], w
+
+
+@leaf
+def settle(model, state, n, m):  # type: ignore[no-untyped-def]
+    """Angles and speeds of wheels and modules at the end of a step, from those of their shafts."""
+    for j in range(m):
+        at = st.MOTOR + (n + j) * st.MOTOR_ROW
+        state[st.STEER + j] = state[at + st.MOTOR_FROM] + state[at + st.MOTOR_TURNED]
+    for i in range(n):
+        at, p = st.MOTOR + i * st.MOTOR_ROW, int(model[md.MOTORS_AT]) + i * mb.BLOCK
+        speed, turned, j = (
+            state[at + st.MOTOR_SPEED],
+            state[at + st.MOTOR_TURNED],
+            int(model[md.WHEELS + i * md.BLOCK + md.STEERED]),
+        )
+        if j >= 0:
+            steering = st.MOTOR + (n + j) * st.MOTOR_ROW
+            speed -= model[p + mb.COUPLING] * state[steering + st.MOTOR_SPEED]
+            turned -= model[p + mb.COUPLING] * state[steering + st.MOTOR_TURNED]
+        state[st.WHEEL_SPEED + i] = speed
+        state[st.WHEEL_ANGLE + i] += turned
+
+
+@leaf
+def substep(model, state, count, bus, h):  # type: ignore[no-untyped-def]
+    """Currents and speeds of all shafts over `h` [s]: torques first, then all accelerations together."""
+    x = y = w = 0.0
+    for k in range(count):
+        at, p = st.MOTOR + k * st.MOTOR_ROW, int(model[md.MOTORS_AT]) + k * mb.BLOCK
+        kind = model[p + mb.KIND]
+        if kind == mb.SERVO:
+            continue
+        middle = state[at + st.MOTOR_SPEED] + 0.5 * h * state[at + st.MOTOR_ACCEL]
+        rotor, duty = middle * model[p + GEAR], state[at + st.MOTOR_DUTY]
+        if kind == mb.SIX_STEP:
+            torque = six_step_substep(state, at, model, p, duty, bus, rotor, h)
+        else:
+            torque = averaged_substep(state, at, model, p, duty, bus, rotor, h)
+        drag = model[p + mb.VISCOUS]
+        if model[p + mb.COULOMB] > 0.0:
+            drag += dry_friction(model[p + mb.COULOMB], middle)
+        push = model[p + EFFICIENCY] * model[p + GEAR] * torque
+        # implicit in the shaft's own friction, so that a stiff one cannot swing
+        share = (push - drag * state[at + st.MOTOR_SPEED]) / (model[p + mb.INERTIA] + 0.5 * h * drag)
+        state[at + st.MOTOR_READY] = share * model[p + mb.INERTIA]
+        state[at + st.MOTOR_IMPULSE] += torque * h
+        g = at + st.MOTOR_LEVER
+        x, y, w = x + state[g] * share, y + state[g + 1] * share, w + state[g + 2] * share
+    fx, fy, fw = felt(state, x, y, w)
+    for k in range(count):
+        at, p = st.MOTOR + k * st.MOTOR_ROW, int(model[md.MOTORS_AT]) + k * mb.BLOCK
+        if model[p + mb.KIND] != mb.SERVO:
+            accel = (state[at + st.MOTOR_READY] - against(state, at, fx, fy, fw)) / model[p + mb.INERTIA]
+            turned = h * (state[at + st.MOTOR_SPEED] + 0.5 * h * accel)
+            state[at + st.MOTOR_TURNED] += turned
+            state[at + st.MOTOR_SHAFT_J] += turned * state[at + st.MOTOR_READY]
+            state[at + st.MOTOR_SPEED] += h * accel
+            state[at + st.MOTOR_ACCEL] = accel
+
+
+@leaf
+def tell(model, state, n, m):  # type: ignore[no-untyped-def]
+    """What the motors did in the control period, and sums since start; what has died away becomes zero."""
+    period = model[md.PERIOD]
+    for k in range(n + m):
+        at, p = st.MOTOR + k * st.MOTOR_ROW, int(model[md.MOTORS_AT]) + k * mb.BLOCK
+        if model[p + mb.KIND] == mb.SERVO:
+            continue
+        for i in (at + CURRENT_A, at + CURRENT_B, at + CURRENT_C, at + st.MOTOR_SPEED, at + st.MOTOR_ACCEL):
+            if abs(state[i]) < _DEAD:
+                state[i] = 0.0
+        state[at + st.MOTOR_INPUT] = state[at + INPUT_J] / period
+        state[at + st.MOTOR_OUTPUT] = state[at + st.MOTOR_SHAFT_J] / period
+        mean = state[at + st.MOTOR_IMPULSE] / period
+        state[at + st.MOTOR_TORQUE] = mean * model[p + GEAR] * model[p + EFFICIENCY]
+        state[at + st.MOTOR_CURRENT] = mean / model[p + BACK_EMF]
+        state[at + st.MOTOR_INPUT_J] += state[at + INPUT_J]
+        state[at + st.MOTOR_COPPER_J] += state[at + COPPER_J]
+        state[at + st.MOTOR_OUTPUT_J] += state[at + st.MOTOR_SHAFT_J]
+        state[at + INPUT_J] = state[at + COPPER_J] = state[at + st.MOTOR_SHAFT_J] = state[at + st.MOTOR_IMPULSE] = 0.0
+        if k < n:
+            state[st.CURRENT + k] = state[at + st.MOTOR_CURRENT]
