@@ -151,6 +151,7 @@ def _mouse(mouse: Mouse) -> dict[str, object]:
         "mount": _mount(mouse.mount),
         "resolution": mouse.resolution_m,
         "noise_relative": mouse.noise_relative,
+        "axes": mouse.axes,
     }
 
 

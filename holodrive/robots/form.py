@@ -227,7 +227,7 @@ class ImuForm(Form):
 
 
 class MouseForm(Form):
-    """A ball or optical mouse that looks at the ground."""
+    """A ball or optical mouse that looks at the ground, or a measuring wheel."""
 
     model: str | None = Field(
         default=None, description="entry of the sensor library that gives what is not written here"
@@ -237,6 +237,9 @@ class MouseForm(Form):
     mount: Mount = Field(default=Mount(), description="place on the robot; without it the centre")
     resolution: Annotated[float, Quantity("length", 0.0, 1.0, above_low=True)] = Field(description="one count")
     noise_relative: Ratio = Field(default=0.0, description="standard deviation as a part of the distance travelled")
+    axes: Literal["xy", "x"] = Field(
+        default="xy", description='"x" is a measuring wheel: it counts along x alone and rolls freely across'
+    )
 
 
 class BatteryForm(Form):

@@ -139,6 +139,7 @@ def mouse_of(form: MouseForm, name: str) -> Mouse:
         resolution_m=form.resolution,
         noise_relative=form.noise_relative,
         source=form.source,
+        axes=form.axes,
     )
 
 

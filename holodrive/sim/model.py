@@ -85,7 +85,8 @@ SLOWNESS, PER_NO_LOAD = 38, 39  # s/rad: 1 / MAX_SPEED, 1 / NO_LOAD
 BLOCK = 40
 
 # --- row of a mouse ------------------------------------------------------------------------------
-MOUSE_X, MOUSE_Y, MOUSE_THETA, MOUSE_COUNT, MOUSE_NOISE, MOUSE = range(6)  # m, m, rad, m per count, 1, width
+MOUSE_X, MOUSE_Y, MOUSE_THETA, MOUSE_COUNT, MOUSE_NOISE, MOUSE_AXES = range(6)  # m, m, rad, m per count, 1, 1 or 2
+MOUSE = 6
 
 # --- measured actuators: header, then the curves (`actuators.duty_curve.pack`) --------------------
 MAP_COUNTS = 0  # PWM counts of full duty
@@ -136,7 +137,7 @@ def model_of(robot: Robot, dt_s: float) -> Array:
         _lidar(model, robot.lidar)
     for k, mouse in enumerate(robot.mice):
         at = int(model[MICE_AT]) + k * MOUSE
-        model[at : at + MOUSE] = (*mouse.mount, mouse.resolution_m, mouse.noise_relative)
+        model[at : at + MOUSE] = (*mouse.mount, mouse.resolution_m, mouse.noise_relative, len(mouse.axes))
     return model
 
 

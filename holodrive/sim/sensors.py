@@ -87,7 +87,10 @@ def read_imu(model, state, key, time):  # type: ignore[no-untyped-def]
 
 @leaf
 def read_mice(model, state, key):  # type: ignore[no-untyped-def]
-    """Whole counts that the ground has passed by since the last tick; what is left of a count is carried on."""
+    """Whole counts that the ground has passed by since the last tick; what is left of a count is carried on.
+
+    A measuring wheel counts along its x axis only; the other number is NaN.
+    """
     tick = int(state[st.TICK])
     for k in range(int(model[md.MICE])):
         m = int(model[md.MICE_AT]) + k * md.MOUSE
@@ -99,6 +102,9 @@ def read_mice(model, state, key):  # type: ignore[no-untyped-def]
         for axis in range(2):
             way = c * dx + s * dy if axis == 0 else c * dy - s * dx
             at = 2 * k + axis
+            if axis >= model[m + md.MOUSE_AXES]:
+                state[st.MICE + at] = math.nan
+                continue
             if noise > 0.0:
                 way *= 1.0 + noise * streams.gauss(
                     streams.draw_index(streams.draw(key, streams.MICE, tick), np.uint64(at))

@@ -84,6 +84,7 @@ def wheels(draw, name, bearing):
     )
 
 
+AXES = st.sampled_from(["xy", "x"])
 LIDARS = st.builds(
     Lidar,
     name=TEXT,
@@ -178,7 +179,7 @@ def robots(draw):
         lidar=draw(st.none() | LIDARS),
         imu=draw(st.none() | IMUS),
         mice=tuple(
-            Mouse(name, draw(POSE), draw(between(1e-7, 1e-3)), draw(st.floats(0.0, 1.0)), draw(TEXT))
+            Mouse(name, draw(POSE), draw(between(1e-7, 1e-3)), draw(st.floats(0.0, 1.0)), draw(TEXT), draw(AXES))
             for name in draw(st.lists(NAME, max_size=4, unique=True))
         ),
         control_period_s=draw(st.floats(1e-3, 0.1)),

@@ -79,6 +79,17 @@ def test_mouse_counts_add_up_to_the_way_of_the_mouse(plant):
     assert np.allclose(told[1] / 1e-4, np.round(told[1] / 1e-4))
 
 
+def test_a_measuring_wheel_tells_what_the_x_axis_of_a_mouse_tells_and_nothing_across():
+    wheels = tuple(replace(mouse, axes="x") for mouse in MICE)
+    bases = [SimBase(hybrid(mice=mice), None) for mice in (MICE, wheels)]
+    for _ in range(20):
+        both, along = (base.observe().mice for base in bases)
+        np.testing.assert_array_equal(along[:, 0], both[:, 0])
+        assert np.isnan(along[:, 1]).all()
+        for base in bases:
+            base.apply(DutyCommand((0.2, 0.9, -0.5)))
+
+
 def imu(**changes):
     return replace(Imu("imu", rate_hz=100.0), **changes)
 
