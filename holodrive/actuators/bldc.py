@@ -19,7 +19,9 @@ from holodrive.robots.spec import Motor
 from holodrive.types import Array
 
 # A packed motor, all seen at the ROTOR (before the gear), electrical values between two terminals:
-# [ohm, H, V s/rad (= N m/A), pole pairs, 1 = sine 0 = trapezoid, A, kg m^2, N m s/rad, N m, turns of rotor a turn, 1]
+# [ohm, H, V s/rad (= N m/A), pole pairs, 1 = sine 0 = trapezoid, A, kg m^2, N m s/rad, N m, turns of rotor a turn, 1];
+# the last two are the drive's and matter to FOC only: bandwidth of its current loops [rad/s], 1 = currents shaped by
+# the EMF (`actuators.foc`)
 (
     RESISTANCE,
     INDUCTANCE,
@@ -32,14 +34,17 @@ from holodrive.types import Array
     COULOMB,
     GEAR,
     EFFICIENCY,
-) = range(11)
-MOTOR_SIZE = 11
+    BANDWIDTH,
+    SHAPED,
+) = range(13)
+MOTOR_SIZE = 13
 
 # The state of one motor, whatever drives it: currents into the phases [A] (sum 0; a DC motor's current is a's, and b's
 # negative), electrical angle [rad, 0 to 2 pi); then what has summed up since the caller cleared it [J]: energy drawn
-# from the supply (below 0: fed back), copper loss, work of the electromagnetic torque.
-CURRENT_A, CURRENT_B, CURRENT_C, ANGLE, INPUT_J, COPPER_J, WORK_J = range(7)
-STATE_SIZE = 7
+# from the supply (below 0: fed back), copper loss, work of the electromagnetic torque; then what FOC remembers: what
+# its loops hold along d and q [V], 1 while its demand is beyond the current limit or the supply's volts.
+CURRENT_A, CURRENT_B, CURRENT_C, ANGLE, INPUT_J, COPPER_J, WORK_J, HELD_D, HELD_Q, LIMITED = range(10)
+STATE_SIZE = 10
 
 SECTOR = math.pi / 3.0  # rad of electrical angle between two edges of the Hall sensors
 THIRD = 2.0 * math.pi / 3.0  # rad between two phases
@@ -52,6 +57,7 @@ FLOATING = (2, 1, 0, 2, 1, 0)
 
 # The phase amplitude of a sinusoidal EMF whose amplitude between two terminals is K w, as for the trapezoid
 SINE_PEAK = 2.0 / math.sqrt(3.0)
+CURRENT_BANDWIDTH = TURN * 1000.0  # rad/s, of FOC's current loops where nobody says otherwise
 
 
 def pack_motor(motor: Motor) -> Array:
@@ -69,6 +75,7 @@ def pack_motor(motor: Motor) -> Array:
     packed[COULOMB] = motor.coulomb_friction_n_m / gear
     packed[GEAR] = gear
     packed[EFFICIENCY] = motor.efficiency
+    packed[BANDWIDTH] = CURRENT_BANDWIDTH
     return packed
 
 
@@ -140,3 +147,18 @@ def stored_energy(state, at, params, pt):  # type: ignore[no-untyped-def]
     """Magnetic energy [J] of a motor's currents; right for DC motors as well."""
     squares = state[at + CURRENT_A] ** 2 + state[at + CURRENT_B] ** 2 + state[at + CURRENT_C] ** 2
     return 0.25 * params[pt + INDUCTANCE] * squares
+
+
+@leaf
+def integrals(i, final, h, gone, tau):  # type: ignore[no-untyped-def]
+    """Charge [C] and integral of the square [A^2 s] of a current on its way from `i` towards `final`.
+
+    Args:
+        i, final: [A].
+        h: time on the way [s].
+        gone: 1 - exp(-h / tau), the share of the way.
+        tau: L / R [s].
+    """
+    gap = i - final
+    lag = gap * tau * gone
+    return final * h + lag, final * final * h + lag * (2.0 * final + gap * (1.0 - 0.5 * gone))

@@ -1,4 +1,4 @@
-"""One motor on the bench: a duty and a load over time give currents, torque, speed and where the energy goes."""
+"""One motor on the bench: a command and a load over time give currents, torque, speed and where the energy goes."""
 
 import math
 from dataclasses import dataclass
@@ -9,6 +9,7 @@ from holodrive.actuators.averaged import averaged_substep
 from holodrive.actuators.bldc import (
     ANGLE,
     BACK_EMF,
+    BANDWIDTH,
     COPPER_J,
     COULOMB,
     CURRENT_A,
@@ -17,10 +18,13 @@ from holodrive.actuators.bldc import (
     HIGH,
     INERTIA,
     INPUT_J,
+    LIMITED,
     LOW,
+    SHAPED,
     SINE,
     STATE_SIZE,
     THIRD,
+    TURN,
     VISCOUS,
     emf_shape,
     pack_motor,
@@ -28,6 +32,7 @@ from holodrive.actuators.bldc import (
     stored_energy,
 )
 from holodrive.actuators.dc_motor import dry_friction
+from holodrive.actuators.foc import foc_substep, speed_hold, speed_step, torque_of_duty
 from holodrive.actuators.six_step import six_step_substep
 from holodrive.errors import InputError
 from holodrive.leaf import leaf
@@ -35,7 +40,10 @@ from holodrive.robots.spec import Motor
 from holodrive.types import Array
 
 STEP_S = 1e-5  # six-step speeds are right to 0.01 % at this step, and to 0.05 % at five times as much
-_DRIVES = {"averaged": 0, "six_step": 1}
+_AVERAGED, _SIX_STEP, _FOC = 0, 1, 2
+_DRIVES = {"averaged": _AVERAGED, "six_step": _SIX_STEP, "foc": _FOC}
+_DUTY, _TORQUE, _SPEED = 0, 1, 2
+_MODES = {"duty": _DUTY, "torque": _TORQUE, "speed": _SPEED}
 
 # columns of a recorded row
 (
@@ -55,6 +63,22 @@ _DRIVES = {"averaged": 0, "six_step": 1}
     KINETIC,
 ) = range(14)
 _COLUMNS = 14
+
+
+@dataclass(frozen=True, slots=True)
+class FocLoops:
+    """How a field-oriented drive is set up.
+
+    Attributes:
+        current_hz: bandwidth of the current loops; a torque demand is followed with 1 / (2 pi current_hz).
+        speed_hz: bandwidth of the speed loop (mode "speed"); keep it below a tenth of the current loops'.
+        shaped: whether currents take the EMF's shape and the drive feeds all of it forward; without, both are
+            sinusoidal. A sinusoidal motor does not notice.
+    """
+
+    current_hz: float = 1000.0
+    speed_hz: float = 30.0
+    shaped: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,13 +144,15 @@ class Traces:
 
 def simulate(
     motor: Motor,
-    duty: float | Array,
+    command: float | Array,
     load_n_m: float | Array = 0.0,
     t_s: float = 0.5,
     dt_s: float = STEP_S,
     *,
     bus_v: float | None = None,
     drive: str | None = None,
+    mode: str = "duty",
+    loops: FocLoops | None = None,
     inertia_kg_m2: float = 0.0,
     speed_rad_s: float = 0.0,
     angle_rad: float = 0.0,
@@ -136,21 +162,25 @@ def simulate(
 
     Args:
         motor: as described; its values are those behind the gear.
-        duty: -1 to 1 (volts / bus_v for a motor that is given a voltage), one number or one for each step.
+        command: what `mode` says, one number or one for each step; one that is not finite counts as 0.
         load_n_m: torque against positive rotation at the output shaft, one number or one for each step.
         t_s, dt_s: length of the run and of a step.
         bus_v: of the supply; the motor's nominal voltage when None.
-        drive: "averaged" or "six_step"; the motor's own when None. A brushed motor is always "averaged".
+        drive: "averaged", "six_step" or "foc"; the motor's own when None. A brushed motor is always "averaged".
+        mode: "duty", -1 to 1 (volts / bus_v for a motor that is given a voltage; FOC gives the torque of a DC motor
+            at that voltage); with FOC also "torque" [N m] or "speed" [rad/s], both of the output shaft.
+        loops: bandwidths of FOC; `FocLoops()` when None.
         inertia_kg_m2: of what the motor turns, at the output shaft, beside its own.
         speed_rad_s: of the output shaft at the start.
         angle_rad: electrical angle at the start.
         every: steps in one row of the traces.
 
     Raises:
-        InputError: a drive that does not exist here, a motor without any inertia, a run without a whole row.
+        InputError: a drive or a mode that does not exist here, a motor without any inertia, a run without a whole row.
     """
-    packed = pack_motor(motor)
-    kind = _DRIVES[_drive(motor, drive)]
+    packed, loops = pack_motor(motor), loops or FocLoops()
+    kind, asked = _kinds(motor, drive, mode)
+    packed[BANDWIDTH], packed[SHAPED] = TURN * loops.current_hz, float(loops.shaped)
     gear = packed[GEAR]
     inertia = packed[INERTIA] + inertia_kg_m2 / gear**2
     rows = round(t_s / (dt_s * every))
@@ -160,11 +190,13 @@ def simulate(
         )
     if rows < 1:
         raise InputError(f"a run of {t_s} s is shorter than one row of {every} steps of {dt_s} s: make t_s longer")
-    duties, loads = (_samples(name, values, rows * every) for name, values in (("duty", duty), ("load_n_m", load_n_m)))
+    commands, loads = (_samples(*given, rows * every) for given in (("command", command), ("load_n_m", load_n_m)))
+    commands = np.where(np.isfinite(commands), commands, 0.0) * {_DUTY: 1.0, _TORQUE: 1.0 / gear, _SPEED: gear}[asked]
     state, out = np.zeros(STATE_SIZE), np.empty((rows, _COLUMNS))
     state[ANGLE] = angle_rad % (2.0 * math.pi)
     omega = speed_rad_s * gear
-    _run(state, packed, kind, duties, loads / gear, bus_v or motor.voltage_v, inertia, omega, dt_s, every, out)
+    bus, bandwidth = bus_v or motor.voltage_v, TURN * loops.speed_hz
+    _run(state, packed, kind, asked, commands, loads / gear, bus, inertia, bandwidth, omega, dt_s, every, out)
     return Traces(
         time=out[:, TIME],
         currents=out[:, I_A : I_C + 1],
@@ -182,13 +214,19 @@ def simulate(
     )
 
 
-def _drive(motor: Motor, drive: str | None) -> str:
+def _kinds(motor: Motor, drive: str | None, mode: str) -> tuple[int, int]:
+    """Numbers of the drive and of the mode."""
     chosen = "averaged" if motor.kind == "dc" else drive or motor.drive
     if chosen not in _DRIVES:
         raise InputError(
             f"motor {motor.name!r}: the bench runs the drives {', '.join(_DRIVES)}, not {chosen!r}; give one as drive="
         )
-    return chosen
+    if mode not in _MODES:
+        raise InputError(f"motor {motor.name!r}: a command is one of {', '.join(_MODES)}, not {mode!r}; see mode=")
+    if mode != "duty" and chosen != "foc":
+        advice = "a brushed motor has no other drive" if motor.kind == "dc" else "give drive='foc'"
+        raise InputError(f"motor {motor.name!r}: the drive {chosen!r} takes a duty, no {mode}; {advice}")
+    return _DRIVES[chosen], _MODES[mode]
 
 
 def _samples(name: str, values: float | Array, steps: int) -> Array:
@@ -199,9 +237,9 @@ def _samples(name: str, values: float | Array, steps: int) -> Array:
 
 
 @leaf
-def _run(state, params, kind, duties, loads, bus_v, inertia, omega, dt, every, out):  # type: ignore[no-untyped-def]
+def _run(state, params, kind, mode, commands, loads, bus_v, inertia, bandwidth, omega, dt, every, out):  # type: ignore[no-untyped-def]
     """All steps of a run, at the rotor. The drive is given the speed that the middle of the step will have."""
-    torque, step = 0.0, 0
+    torque, held, step = 0.0, 0.0, 0
     for row in range(out.shape[0]):
         state[INPUT_J] = state[COPPER_J] = 0.0
         mean = gearbox = friction = mechanical = 0.0
@@ -209,10 +247,17 @@ def _run(state, params, kind, duties, loads, bus_v, inertia, omega, dt, every, o
             shaft = params[EFFICIENCY] * torque - loads[step]
             drag = _drag(params, omega)
             middle = omega + 0.5 * dt * (shaft - drag * omega) / (inertia + 0.5 * dt * drag)
-            if kind == 1:
-                torque = six_step_substep(state, 0, params, 0, duties[step], bus_v, middle, dt)
+            if kind == _SIX_STEP:
+                torque = six_step_substep(state, 0, params, 0, commands[step], bus_v, middle, dt)
+            elif kind == _FOC and mode == _SPEED:
+                torque, held = _at_speed(state, params, commands[step], held, bus_v, inertia, bandwidth, middle, dt)
+            elif kind == _FOC:
+                wanted = commands[step]
+                if mode == _DUTY:
+                    wanted = torque_of_duty(params, 0, wanted, bus_v, middle)
+                torque = foc_substep(state, 0, params, 0, wanted, bus_v, middle, dt)
             else:
-                torque = averaged_substep(state, 0, params, 0, duties[step], bus_v, middle, dt)
+                torque = averaged_substep(state, 0, params, 0, commands[step], bus_v, middle, dt)
             shaft = params[EFFICIENCY] * torque - loads[step]
             drag = _drag(params, middle)
             new = omega + dt * (shaft - drag * omega) / (inertia + 0.5 * dt * drag)
@@ -230,6 +275,16 @@ def _run(state, params, kind, duties, loads, bus_v, inertia, omega, dt, every, o
         out[row, FRICTION], out[row, MECHANICAL] = friction, mechanical
         out[row, ELECTRICAL] = state[INPUT_J] / seconds
         out[row, MAGNETIC], out[row, KINETIC] = stored_energy(state, 0, params, 0), 0.5 * inertia * omega * omega
+
+
+@leaf
+def _at_speed(state, params, wanted, held, bus_v, inertia, bandwidth, omega, dt):  # type: ignore[no-untyped-def]
+    """A step of FOC below a speed loop that knows what it turns: torque and the loop's integral, at the rotor [N m]."""
+    j, b = inertia / params[EFFICIENCY], params[VISCOUS] / params[EFFICIENCY]
+    demand = speed_step(wanted, omega, held, j, b, bandwidth)
+    torque = foc_substep(state, 0, params, 0, demand, bus_v, omega, dt)
+    given = torque if state[LIMITED] > 0.5 else demand
+    return torque, speed_hold(given, omega, held, j, b, bandwidth, dt)
 
 
 @leaf

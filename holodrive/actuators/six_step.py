@@ -28,6 +28,7 @@ from holodrive.actuators.bldc import (
     SINE,
     SINE_PEAK,
     WORK_J,
+    integrals,
     wrapped,
 )
 from holodrive.leaf import leaf
@@ -123,9 +124,9 @@ def _piece(state, at, params, pt, duty, bus_v, omega, middle, h):  # type: ignor
         gone = i_f / (i_f - to_f)
         h = min(h, -math.log1p(-gone) * tau)
 
-    q_h, heat_h = _integrals(i_h, to_h, h, gone, tau)
-    q_l, heat_l = _integrals(i_l, to_l, h, gone, tau)
-    q_f, heat_f = _integrals(i_f, to_f, h, gone, tau)
+    q_h, heat_h = integrals(i_h, to_h, h, gone, tau)
+    q_l, heat_l = integrals(i_l, to_l, h, gone, tau)
+    q_f, heat_f = integrals(i_f, to_f, h, gone, tau)
     i_h += gone * (to_h - i_h)
     i_f = 0.0 if ends or not conducts else i_f + gone * (to_f - i_f)
     state[at + high], state[at + free], state[at + low] = i_h, i_f, -i_h - i_f
@@ -143,21 +144,6 @@ def _shapes(sector, part, sine):  # type: ignore[no-untyped-def]
         return f_h, f_l, -f_h - f_l
     falling = 1.0 - 2.0 * part
     return 1.0, -1.0, falling if sector % 2 == 0 else -falling
-
-
-@leaf
-def _integrals(i, final, h, gone, tau):  # type: ignore[no-untyped-def]
-    """Charge [C] and integral of the square [A^2 s] of a current on its way from `i` towards `final`.
-
-    Args:
-        i, final: [A].
-        h: time on the way [s].
-        gone: 1 - exp(-h / tau), the share of the way.
-        tau: L / R [s].
-    """
-    gap = i - final
-    lag = gap * tau * gone
-    return final * h + lag, final * final * h + lag * (2.0 * final + gap * (1.0 - 0.5 * gone))
 
 
 @leaf
