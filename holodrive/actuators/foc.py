@@ -171,7 +171,8 @@ def _demand(params, pt, torque, angle, turn):  # type: ignore[no-untyped-def]
     """Currents (d, q) that a torque takes now, and (d, q) after the rotor has gone on by `turn` [A]."""
     if not math.isfinite(torque):
         torque = 0.0
-    limit, sine, per_k = params[pt + CURRENT_LIMIT], params[pt + SINE], torque / (0.75 * params[pt + BACK_EMF])
+    limit, sine, k = params[pt + CURRENT_LIMIT], params[pt + SINE], params[pt + BACK_EMF]
+    per_k = torque / (0.75 * k) if k > 0.0 else 0.0
     if params[pt + SHAPED] < 0.5 or sine > 0.5:
         q = min(limit, max(-limit, per_k / fundamental(sine)))
         return 0.0, q, 0.0, q

@@ -22,7 +22,7 @@ PLACE = 26  # number of the wheel
 BLOCK = 27
 
 SERVO, AVERAGED, SIX_STEP, FOC = -1, 0, 1, 2
-KINDS = {"averaged": AVERAGED, "six_step": SIX_STEP}
+KINDS = {"averaged": AVERAGED, "six_step": SIX_STEP, "foc": FOC}
 _FINE_S, _COARSE_S = 2e-5, 1e-4  # longest sub-step with and without commutation
 _STIFF = 0.5  # most that back-EMF may change a speed within one sub-step, as a part of it
 _LEAST_LAG_S = 1e-7  # L / R: a winding without inductance would have no current to integrate

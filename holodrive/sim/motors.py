@@ -29,11 +29,14 @@ from holodrive.actuators.bldc import (
     CURRENT_C,
     EFFICIENCY,
     GEAR,
+    HELD_D,
+    HELD_Q,
     INDUCTANCE,
     INPUT_J,
     RESISTANCE,
 )
 from holodrive.actuators.dc_motor import bus_voltage, dry_friction
+from holodrive.actuators.foc import foc_substep, torque_of_duty
 from holodrive.actuators.six_step import six_step_substep
 from holodrive.actuators.speed_loop import speed_loop_step
 from holodrive.leaf import leaf
@@ -44,7 +47,7 @@ from holodrive.sim.contact import keep_outside
 from holodrive.sim.first_order import servo_step, twist_of_wheels, with_wheel
 from holodrive.sim.turn import turn_factors
 
-_DEAD = 1e-200  # A, rad/s
+_DEAD = 1e-200  # A, V, rad/s
 
 
 @leaf
@@ -307,6 +310,9 @@ def substep(model, state, count, bus, h):  # type: ignore[no-untyped-def]
         rotor, duty = middle * model[p + GEAR], state[at + st.MOTOR_DUTY]
         if kind == mb.SIX_STEP:
             torque = six_step_substep(state, at, model, p, duty, bus, rotor, h)
+        elif kind == mb.FOC:
+            demand = torque_of_duty(model, p, duty, bus, rotor)
+            torque = foc_substep(state, at, model, p, demand, bus, rotor, h)
         else:
             torque = averaged_substep(state, at, model, p, duty, bus, rotor, h)
         drag = model[p + mb.VISCOUS]
@@ -339,9 +345,9 @@ def tell(model, state, n, m):  # type: ignore[no-untyped-def]
         at, p = st.MOTOR + k * st.MOTOR_ROW, int(model[md.MOTORS_AT]) + k * mb.BLOCK
         if model[p + mb.KIND] == mb.SERVO:
             continue
-        for i in (at + CURRENT_A, at + CURRENT_B, at + CURRENT_C, at + st.MOTOR_SPEED, at + st.MOTOR_ACCEL):
-            if abs(state[i]) < _DEAD:
-                state[i] = 0.0
+        for i in (CURRENT_A, CURRENT_B, CURRENT_C, HELD_D, HELD_Q, st.MOTOR_SPEED, st.MOTOR_ACCEL):
+            if abs(state[at + i]) < _DEAD:
+                state[at + i] = 0.0
         state[at + st.MOTOR_INPUT] = state[at + INPUT_J] / period
         state[at + st.MOTOR_OUTPUT] = state[at + st.MOTOR_SHAFT_J] / period
         mean = state[at + st.MOTOR_IMPULSE] / period
