@@ -118,6 +118,10 @@ DIMENSIONS: dict[str, Dimension] = {
     "torque": Dimension("a torque", "N m", "25 kgf cm", (2, 1, -2, 0, 0), False),
     "inertia": Dimension("a moment of inertia", "kg m^2", "0.086 kg m^2", (2, 1, 0, 0, 0), False),
     "motor constant": Dimension("a motor constant", "V s/rad", "33.5 mN m/A", (2, 1, -2, -1, 0), False),
+    "voltage per angle": Dimension("a voltage per angle", "V/rad", "6 V/rad", (2, 1, -3, -1, -1)),
+    "voltage per angular speed": Dimension(
+        "a voltage per angular speed", "V s/rad", "0.3 V s/rad", (2, 1, -2, -1, 0), False
+    ),
     "viscous friction": Dimension("a viscous friction", "N m s/rad", "0.002 N m s/rad", (2, 1, -1, 0, 0), False),
 }
 

@@ -76,7 +76,7 @@ def robot(source: Source) -> Robot:
         limits=Limits(
             *(math.inf if v is None else v for v in (limits.speed, limits.yaw_rate, limits.accel, limits.yaw_accel))
         ),
-        speed_loop=SpeedLoop(loop.kp, loop.ki, loop.filter),
+        speed_loop=SpeedLoop(loop.kp, loop.ki, loop.filter, loop.feed_forward),
         lidar=lidar,
         imu=imu,
         mice=mice,
@@ -141,7 +141,9 @@ def _battery(source: Source, all_wheels: dict[str, WheelSpec | None]) -> Battery
         if form is None:
             return None
         return Battery(form.voltage, form.resistance, math.inf if form.capacity is None else form.capacity)
-    voltages = sorted({wheel.motor.voltage_v for wheel in all_wheels.values() if wheel is not None})
+    whole = [wheel for wheel in all_wheels.values() if wheel is not None]
+    steering = [wheel.steering.motor for wheel in whole if wheel.steering and wheel.steering.motor]
+    voltages = sorted({motor.voltage_v for motor in [*(wheel.motor for wheel in whole), *steering]})
     if len(voltages) > 1:
         listed = ", ".join(f"{voltage:g} V" for voltage in voltages)
         source.fault((), f"the motors need {listed}; a [battery] table must say the voltage")

@@ -5,7 +5,19 @@ from typing import Any
 
 from holodrive.files.write import table
 from holodrive.robots.checks import WHEELS_OUTSIDE, reach
-from holodrive.robots.spec import DutyCurve, DutyMap, Encoder, Imu, Lidar, Motor, Mouse, PwmMap, Robot, WheelSpec
+from holodrive.robots.spec import (
+    DutyCurve,
+    DutyMap,
+    Encoder,
+    Imu,
+    Lidar,
+    Motor,
+    Mouse,
+    PwmMap,
+    Robot,
+    Steering,
+    WheelSpec,
+)
 from holodrive.types import Pose
 
 
@@ -13,6 +25,8 @@ def text(robot: Robot) -> str:
     """The whole file; parts that all wheels share are written once, in `[defaults.wheel]`."""
     shared = _shared(robot)
     blocks = ["#:schema robot.schema.json\nschema = 1\n", _robot(robot)]
+    if "steering" in shared and robot.wheels[0].steering:
+        blocks += _steering(("defaults", "wheel", "steering"), robot.wheels[0].steering)
     if "motor" in shared:
         blocks.append(table(("defaults", "wheel", "motor"), _motor(robot.wheels[0].motor)))
     for wheel in robot.wheels:
@@ -53,7 +67,9 @@ def _robot(robot: Robot) -> str:
 
 
 def _shared(robot: Robot) -> set[str]:
-    return {"motor"} if len({wheel.motor for wheel in robot.wheels}) == 1 else set()
+    """Parts that all wheels have alike; a steering only where all wheels are steered."""
+    shared = {part for part in ("motor", "steering") if len({getattr(wheel, part) for wheel in robot.wheels}) == 1}
+    return shared if robot.wheels[0].steering else shared - {"steering"}
 
 
 def _wheel(wheel: WheelSpec, shared: set[str]) -> list[str]:
@@ -68,13 +84,28 @@ def _wheel(wheel: WheelSpec, shared: set[str]) -> list[str]:
         "width": wheel.width,
         "max_speed": wheel.max_speed_rad_s,
         "inverted": wheel.inverted,
-        "steering": {"rate": wheel.steering.rate_rad_s, "lag": wheel.steering.lag_s} if wheel.steering else None,
         "encoder": _encoder(wheel.encoder) if wheel.encoder else None,
     }
     blocks = [table(path, keys)]
     if "motor" not in shared:
         blocks.append(table((*path, "motor"), _motor(wheel.motor)))
+    if wheel.steering and "steering" not in shared:
+        blocks += _steering((*path, "steering"), wheel.steering)
     return blocks
+
+
+def _steering(path: tuple[str, ...], steering: Steering) -> list[str]:
+    keys = {
+        "rate": steering.rate_rad_s,
+        "lag": steering.lag_s,
+        "caster": steering.caster_m,
+        "coupling": steering.coupling,
+        "kp": steering.kp_v_rad,
+        "kd": steering.kd_v_s_rad,
+        "inertia": steering.inertia_kg_m2,
+    }
+    blocks = [table(path, keys)]
+    return [*blocks, table((*path, "motor"), _motor(steering.motor))] if steering.motor else blocks
 
 
 def _motor(motor: Motor) -> dict[str, object]:
@@ -94,6 +125,9 @@ def _motor(motor: Motor) -> dict[str, object]:
         "viscous_friction": motor.viscous_friction_n_m_s_rad,
         "current_limit": motor.current_limit_a,
         "lag": motor.lag_s,
+        "poles": motor.poles,
+        "emf": motor.emf,
+        "drive": motor.drive,
     }
 
 

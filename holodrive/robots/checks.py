@@ -96,7 +96,8 @@ def _reach(wheel: WheelSpec) -> float:
 
 def turning_radius(wheel: WheelSpec) -> float:
     """Radius of the circle that a wheel sweeps when it is steered all round [m]."""
-    return math.hypot(wheel.radius, 0.5 * wheel.width)
+    caster = wheel.steering.caster_m if wheel.steering else 0.0
+    return math.hypot(wheel.radius + abs(caster), 0.5 * wheel.width)
 
 
 def corners(wheel: WheelSpec) -> list[tuple[float, float]]:

@@ -5,7 +5,7 @@ Descriptions are what an editor shows, what a fault about a missing key says, an
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, GetJsonSchemaHandler, WithJsonSchema, model_validator
+from pydantic import Field, GetJsonSchemaHandler, WithJsonSchema, field_validator, model_validator
 from pydantic_core import CoreSchema
 
 from holodrive.files.edge import Angle, Coordinate, Distance, Form, Quantity, Ratio, Whole, custom
@@ -98,6 +98,21 @@ class MotorForm(Form):
         default=None, description="of the driver; without it there is no limit"
     )
     lag: Seconds = Field(default=0.05, description="time constant with which the simple plant's wheel speed follows")
+    poles: Annotated[int, Whole(2, 1000)] = Field(default=2, description="of the rotor, two for each pole pair")
+    emf: Literal["trapezoid", "sine"] = Field(
+        default="trapezoid", description='shape of a bldc motor\'s back-EMF: "trapezoid" or "sine"'
+    )
+    drive: Literal["averaged", "six_step", "foc"] = Field(
+        default="averaged",
+        description='how the plant motors feeds a bldc motor: "averaged" (as a dc motor), "six_step" or "foc"',
+    )
+
+    @field_validator("poles")
+    @classmethod
+    def _in_pairs(cls, poles: int) -> int:
+        if poles % 2:
+            raise custom(f"the poles of a rotor come in pairs, found {poles}; did you mean {2 * poles}?")
+        return poles
 
 
 class EncoderForm(Form):
@@ -112,13 +127,6 @@ class EncoderForm(Form):
     counts_per_turn: Annotated[float, Quantity("number", 1.0, 1e9)] = Field(description="counts in one wheel turn")
 
 
-class SteeringForm(Form):
-    """The steering servo of a swerve wheel."""
-
-    rate: AngularSpeed = Field(description="fastest steering")
-    lag: Seconds = Field(description="time constant with which the angle follows inside that rate")
-
-
 class _ByName:
     """Annotation of a key that holds a library name or a table."""
 
@@ -127,6 +135,31 @@ class _ByName:
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         return {"anyOf": [{"type": "string"}, {"$ref": f"#/definitions/{self.form}"}], "x-library": self.library}
+
+
+class SteeringForm(Form):
+    """The steering of a swerve wheel: a servo, or a motor with a position loop."""
+
+    rate: AngularSpeed = Field(description="fastest steering")
+    lag: Seconds = Field(description="time constant with which the angle follows inside that rate")
+    caster: Annotated[float, Quantity("length", -1.0, 1.0)] = Field(
+        default=0.0, description="how far the contact point trails behind the steering axis; below 0 it runs ahead"
+    )
+    coupling: Annotated[float, Quantity("number", -1e3, 1e3)] = Field(
+        default=0.0, description="turns of the wheel against its drive in one turn of the steering"
+    )
+    motor: Annotated[Any, _ByName("MotorForm", "motors")] = Field(
+        default=None, description="that steers on the plant motors; without it a servo does"
+    )
+    kp: Annotated[float, Quantity("voltage per angle", 0.0, 1e6)] = Field(
+        default=6.0, description="of the motor's position loop, for each radian of error"
+    )
+    kd: Annotated[float, Quantity("voltage per angular speed", 0.0, 1e6)] = Field(
+        default=0.3, description="of the motor's position loop, against the steering rate"
+    )
+    inertia: Annotated[float, Quantity("inertia", 0.0, 1e3)] = Field(
+        default=0.0, description="of the module about its axis, without the motor"
+    )
 
 
 class WheelForm(Form):
@@ -287,6 +320,7 @@ class SpeedLoopForm(Form):
     )
     ki: Annotated[float, Quantity("number", 0.0, 1e6)] = Field(default=4.0, description="the same, a second")
     filter: Seconds = Field(default=0.03, description="time constant of the encoder's speed")
+    feed_forward: Ratio = Field(default=1.0, description="share of the commanded speed that becomes duty at once")
 
 
 Plain = Annotated[float, Quantity("number", -1e300, 1e300)]

@@ -45,6 +45,7 @@ def robot() -> Schema:
     for name in ("MotorForm", "EncoderForm", "SteeringForm"):
         parts[name].pop("required")
     parts["WheelForm"]["properties"]["motor"]["anyOf"][0] = {"enum": list(motors.names())}
+    parts["SteeringForm"]["properties"]["motor"]["anyOf"][0] = {"enum": list(motors.names())}
     parts["WheelForm"]["properties"]["encoder"]["anyOf"][0] = {"enum": list(sensors.names("encoder"))}
     parts["SharedWheelForm"] = {k: v for k, v in parts["WheelForm"].items() if k != "required"}
     parts["WheelForm"]["required"] = ["at"]

@@ -21,6 +21,12 @@ def motor(found: object, path: Path, source: Source) -> Motor | None:
     """The motor that a wheel names or describes; None when faults were noted."""
     form, fields = _part(MotorForm, "motor", found, path, source)
     _fits(fields, path, source)
+    if fields.get("kind") == "dc" and fields.get("drive", "averaged") != "averaged":
+        source.fault(
+            (*path, "drive"),
+            f'a dc motor has brushes that commutate it; found drive = "{fields["drive"]}"',
+            "leave 'drive' out, or did you mean kind = \"bldc\"?",
+        )
     return None if form is None else motor_of(form)
 
 
@@ -43,6 +49,9 @@ def motor_of(form: MotorForm) -> Motor:
         lag_s=form.lag,
         gear=form.gear,
         source=form.source,
+        poles=form.poles,
+        emf=form.emf,
+        drive=form.drive,
     )
 
 

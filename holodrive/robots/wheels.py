@@ -9,7 +9,7 @@ from holodrive.files.source import Source, Table, meant, section
 from holodrive.files.units import QuantityError, parse, shown
 from holodrive.layout import MAX_WHEELS
 from holodrive.robots import checks, parts
-from holodrive.robots.form import WheelForm
+from holodrive.robots.form import SteeringForm, WheelForm
 from holodrive.robots.naming import check_name
 from holodrive.robots.place import xy
 from holodrive.robots.spec import Motor, Steering, WheelSpec
@@ -61,6 +61,7 @@ def _wheel(name: str, own: object, shared: Table, source: Source) -> WheelSpec |
     table = _merged(path, own, shared, source)
     faults = len(source.faults) + source.unlisted
     motor = parts.motor(table["motor"], (*path, "motor"), source) if "motor" in table else None
+    steering_motor = _steering_motor(table.get("steering"), path, source)
     encoder = parts.encoder(table["encoder"], (*path, "encoder"), source) if "encoder" in table else None
     form, fields = check(WheelForm, table, path, source, also=_needs(table))
     _fits_kind(table, fields, path, source)
@@ -80,8 +81,27 @@ def _wheel(name: str, own: object, shared: Table, source: Source) -> WheelSpec |
         roller=form.roller,
         width=form.width,
         encoder=encoder,
-        steering=Steering(form.steering.rate, form.steering.lag) if form.steering else None,
+        steering=_steering(form.steering, steering_motor) if form.steering else None,
         inverted=form.inverted,
+    )
+
+
+def _steering_motor(table: object, path: Path, source: Source) -> Motor | None:
+    if not isinstance(table, dict) or "motor" not in table:
+        return None
+    return parts.motor(table["motor"], (*path, "steering", "motor"), source)
+
+
+def _steering(form: SteeringForm, motor: Motor | None) -> Steering:
+    return Steering(
+        rate_rad_s=form.rate,
+        lag_s=form.lag,
+        caster_m=form.caster,
+        coupling=form.coupling,
+        motor=motor,
+        kp_v_rad=form.kp,
+        kd_v_s_rad=form.kd,
+        inertia_kg_m2=form.inertia,
     )
 
 

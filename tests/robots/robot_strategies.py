@@ -41,9 +41,10 @@ def motors(draw):
     efficiency = draw(between(0.2, 1.0))
     # little enough friction that no-load speed, voltage and constant still tell of one motor
     friction = draw(st.floats(0.0, 0.1)) * voltage * efficiency * constant / resistance
+    kind = draw(st.sampled_from(["dc", "bldc"]))
     return Motor(
         name=draw(TEXT),
-        kind=draw(st.sampled_from(["dc", "bldc"])),
+        kind=kind,
         voltage_v=voltage,
         no_load_speed_rad_s=speed,
         back_emf_v_s_rad=constant,
@@ -57,6 +58,9 @@ def motors(draw):
         lag_s=draw(st.floats(0.0, 1.0)),
         gear=draw(between(1.0, 300.0)),
         source=draw(TEXT),
+        poles=2 * draw(st.integers(1, 40)),
+        emf=draw(st.sampled_from(["trapezoid", "sine"])),
+        drive="averaged" if kind == "dc" else draw(st.sampled_from(["averaged", "six_step", "foc"])),
     )
 
 
@@ -65,7 +69,17 @@ def wheels(draw, name, bearing):
     kind = draw(st.sampled_from(["omni", "mecanum", "swerve"]))
     distance = draw(st.floats(0.4, 0.5))
     motor = draw(motors())
-    steering = st.builds(Steering, between(0.1, 20.0), st.floats(0.0, 1.0))
+    steering = st.builds(
+        Steering,
+        between(0.1, 20.0),
+        st.floats(0.0, 1.0),
+        st.floats(-0.03, 0.03),
+        st.floats(-3.0, 3.0),
+        st.none() | motors(),
+        st.floats(0.0, 100.0),
+        st.floats(0.0, 10.0),
+        st.floats(0.0, 0.1),
+    )
     rollers = st.floats(0.1, 1.4).flatmap(lambda angle: st.sampled_from([angle, -angle, math.pi - angle]))
     return WheelSpec(
         name=name,
@@ -175,7 +189,7 @@ def robots(draw):
             draw(st.sampled_from([math.inf, speed])),
             *(draw(endless | between(0.1, 100.0)) for _ in range(3)),
         ),
-        speed_loop=SpeedLoop(*(draw(st.floats(0.0, 10.0)) for _ in range(3))),
+        speed_loop=SpeedLoop(*(draw(st.floats(0.0, 10.0)) for _ in range(3)), draw(st.floats(0.0, 1.0))),
         lidar=draw(st.none() | LIDARS),
         imu=draw(st.none() | IMUS),
         mice=tuple(
