@@ -16,10 +16,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holodrive.errors import ChassisError
-from holodrive.kinematics import acceleration, limits, solve
+from holodrive.kinematics import acceleration, caster, limits, solve
 from holodrive.kinematics.judge import WARN_CONDITION, Verdict, judge
 from holodrive.kinematics.polytope import Polytope
 from holodrive.kinematics.scalar import Scalar
+from holodrive.kinematics.settings import POWERED_CASTER
 from holodrive.kinematics.shapes import common_shape, numbers, read_only, short, twists, vectors, wheel_values
 from holodrive.kinematics.wheel import Wheel
 from holodrive.types import Array, WheelCommand
@@ -38,6 +39,10 @@ class Chassis:
         least_squares: (3, rows) the pseudo-inverse that `forward` uses.
         row: (n,) first row of each wheel.
         steered: indices of the steered wheels, the order of steering arrays (m,).
+        casters, couplings: (m,) of the steered wheels [m, 1], see `kinematics.caster`.
+        castered: whether any contact trails behind its axis.
+        trails: 0 without casters and couplings; 2 where the command pipeline drives all modules as powered casters,
+            which it does when each trails (or runs ahead) by `settings.POWERED_CASTER` or more; else 1.
         verdict: rank, condition and characteristic length.
         warnings: sentences about a poor but usable layout.
     """
@@ -48,6 +53,11 @@ class Chassis:
         blocks = [wheel.rows for wheel in self.wheels]
         self.row = np.cumsum([0, *(len(block) for block in blocks)])[:-1]
         self.steered = tuple(i for i, wheel in enumerate(self.wheels) if wheel.steered)
+        self.casters = np.array([self.wheels[i].caster for i in self.steered])
+        self.couplings = np.array([self.wheels[i].coupling for i in self.steered])
+        self.castered = bool(np.any(self.casters != 0.0))
+        powered = self.castered and bool(np.all(np.abs(self.casters) >= POWERED_CASTER))
+        self.trails = 2 if powered else int(self.castered or bool(np.any(self.couplings != 0.0)))
         self.jacobian = _clean(np.concatenate(blocks))
         self.row_scale = _row_scale(self.wheels)  # (rows,) brings mixed rows to one unit
         self.verdict: Verdict = judge(self.wheels, self.jacobian * self.row_scale[:, None])
@@ -59,7 +69,7 @@ class Chassis:
         inverse = np.linalg.pinv(self.jacobian * self.row_scale[:, None] * column) * self.row_scale
         self.least_squares = _clean(column[:, None] * inverse)
         # `of` gives one chassis to many users
-        for array in (self.jacobian, self.least_squares, self.row, self.row_scale):
+        for array in (self.jacobian, self.least_squares, self.row, self.row_scale, self.casters, self.couplings):
             read_only(array)
 
     @classmethod
@@ -122,8 +132,11 @@ class Chassis:
 
         Returns:
             speeds (..., n) [rad/s] and steer (..., m) [rad]. A steered wheel gets the plain polar form: speed >= 0,
-            angle in (-pi, pi], no optimisation.
+            angle in (-pi, pi], no optimisation; with a caster the angle at which it does not slip while the twist
+            lasts (`kinematics.caster.steady_inverse`).
         """
+        if self.castered:
+            return caster.steady_inverse(self, about(twist, centre))
         rows = self.wheel_rows(about(twist, centre))
         if not self.steered:
             return WheelCommand(rows, np.empty((*rows.shape[:-1], 0)))
@@ -133,14 +146,31 @@ class Chassis:
         speeds[..., index] = np.hypot(along, across) / self.radii[index]
         return WheelCommand(speeds, np.arctan2(across, along))
 
-    def forward(self, speeds: ArrayLike, steer: ArrayLike | None = None) -> Array:
+    def powered_inverse(self, twist: ArrayLike, steer: ArrayLike) -> caster.PoweredRates:
+        """Wheel speeds and steering rates of powered casters for a twist; see `kinematics.caster`."""
+        return caster.powered_inverse(self, twist, steer)
+
+    def forward(self, speeds: ArrayLike, steer: ArrayLike | None = None, steer_rates: ArrayLike | None = None) -> Array:
         """Twist (..., 3) of the body that fits the wheels best: wheels -> body, least squares.
 
         Args:
             speeds: (..., n) [rad/s].
             steer: (..., m) steering angles [rad]; needed when the base has steered wheels, refused when it has none.
+            steer_rates: (..., m) how fast they turn [rad/s]; matters with casters only, 0 when not given.
         """
-        return np.asarray(self.rows_of(speeds, steer) @ self.least_squares.T)
+        rows = self.rows_of(speeds, steer, steer_rates)
+        if not self.castered:
+            return np.asarray(rows @ self.least_squares.T)
+        return np.asarray(np.einsum("...ij,...j->...i", self.inverse_at(self.matrix_at(steer)), rows))
+
+    def matrix_at(self, steer: ArrayLike | None) -> Array:
+        """The Jacobian (rows, 3); with casters (..., rows, 3), for it changes with the steering angles (..., m)."""
+        angles = self.steering(steer, "steering angles") if self.castered else None
+        return self.jacobian if angles is None else caster.contact_jacobian(self, angles)
+
+    def inverse_at(self, matrix: Array) -> Array:
+        """Least-squares inverse (..., 3, rows) of what `matrix_at` gave."""
+        return caster.contact_inverse(self, matrix) if self.castered else self.least_squares
 
     def solve(
         self,
@@ -148,9 +178,10 @@ class Chassis:
         steer: ArrayLike | None = None,
         weights: ArrayLike | None = None,
         wheel_sigma: ArrayLike | None = None,
+        steer_rates: ArrayLike | None = None,
     ) -> solve.Solution:
         """Like `forward`, with residual, slip and covariance; see `holodrive.kinematics.solve.solve`."""
-        return solve.solve(self, speeds, steer, weights, wheel_sigma)
+        return solve.solve(self, speeds, steer, weights, wheel_sigma, steer_rates)
 
     def inverse_acceleration(
         self, twist: ArrayLike, accel: ArrayLike, centre: ArrayLike = (0.0, 0.0)
@@ -166,9 +197,10 @@ class Chassis:
         rates: ArrayLike,
         steer: ArrayLike | None = None,
         steer_rates: ArrayLike | None = None,
+        steer_accels: ArrayLike | None = None,
     ) -> Array:
         """Rate of the twist (..., 3) from wheel and steering rates, least squares."""
-        return acceleration.forward_acceleration(self, speeds, rates, steer, steer_rates)
+        return acceleration.forward_acceleration(self, speeds, rates, steer, steer_rates, steer_accels)
 
     def saturate(self, twist: ArrayLike) -> limits.Applied:
         """Twists (..., 3) scaled into what the wheels can do, direction kept; scale and binding wheel come along."""
@@ -187,7 +219,7 @@ class Chassis:
         """J . twist, (..., rows) in the units of the rows."""
         return np.asarray(twists(twist) @ self.jacobian.T)
 
-    def rows_of(self, speeds: ArrayLike, steer: ArrayLike | None = None) -> Array:
+    def rows_of(self, speeds: ArrayLike, steer: ArrayLike | None = None, steer_rates: ArrayLike | None = None) -> Array:
         """What wheels that turn so say about J . twist: (..., rows)."""
         speeds = wheel_values(speeds, self.names, "wheel speeds")
         angles = self.steering(steer, "steering angles")
@@ -200,7 +232,8 @@ class Chassis:
         rows[..., self.row] = speeds
         rows[..., self.steered_rows] = rim * np.cos(angles)
         rows[..., self.steered_rows + 1] = rim * np.sin(angles)
-        return rows
+        rates = None if steer_rates is None else self.steering(steer_rates, "rates of steering")
+        return rows if rates is None or not self.castered else caster.swept(self, rows, angles, rates)
 
     def steering(self, values: ArrayLike | None, what: str) -> Array | None:
         """What a caller passed for the steered wheels, as (..., m); None where the base has none."""

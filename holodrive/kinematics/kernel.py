@@ -29,7 +29,8 @@ KinematicsArrays = Array  # the flat vector; its layout follows
 N_WHEELS, N_STEER, N_ROWS = 0, 1, 2
 SPEED, YAW_RATE, ACCEL, YAW_ACCEL = 3, 4, 5, 6  # m/s, rad/s, m/s^2, rad/s^2
 HOLD, BAND = 7, 8  # m/s, rad
-WHEELS = 9  # first wheel block
+TRAILS = 9  # 0, or 1 with a caster or a coupling somewhere, or 2 where all modules are driven as powered casters
+WHEELS = 10  # first wheel block
 # one block for each wheel
 STEER_INDEX = 0  # place in steering arrays, -1 for a fixed wheel
 RADIUS, MAX_SPEED, STEER_RATE = 1, 2, 3  # m, rad/s, rad/s
@@ -37,7 +38,9 @@ RIM = 4  # m/s of rim per unit of its rows
 LOAD = 5  # share of the wheel's limit per unit of its rows
 ROWS = 6  # 2 x 3: rows of the Jacobian; the second is 0 for a fixed wheel
 BACK = 12  # 2 x 3: its columns of the least-squares inverse, each as (vx, vy, omega)
-BLOCK = 18
+CASTER, COUPLING = 18, 19  # m, 1; 0 for a fixed wheel
+WEIGHT = 20  # of the squares of its rows in least squares
+BLOCK = 21
 
 # memory of a command step; after the angles [rad] come the drive signs (m)
 LAST_TWIST = 0  # of the tick before, in the axes of this one; used by the acceleration limits only
@@ -50,12 +53,12 @@ def arrays(robot: "Robot | Chassis", limits: "Limits | None" = None) -> Kinemati
     if limits is None and not isinstance(robot, Chassis):
         limits = robot.limits
     kin = np.zeros(WHEELS + BLOCK * len(chassis.wheels))
-    kin[:WHEELS] = [len(chassis.wheels), len(chassis.steered), len(chassis.jacobian), *([math.inf] * 4), 0.0, 0.0]
+    kin[: YAW_ACCEL + 1] = [len(chassis.wheels), len(chassis.steered), len(chassis.jacobian), *([math.inf] * 4)]
     if limits is not None:
         kin[SPEED : YAW_ACCEL + 1] = [
             limits.speed_m_s, limits.yaw_rate_rad_s, limits.accel_m_s2, limits.yaw_accel_rad_s2
         ]  # fmt: skip
-    kin[HOLD], kin[BAND] = HOLD_SPEED, FLIP_BAND
+    kin[HOLD], kin[BAND], kin[TRAILS] = HOLD_SPEED, FLIP_BAND, chassis.trails
     for i, (wheel, row) in enumerate(zip(chassis.wheels, chassis.row, strict=True)):
         block = kin[WHEELS + BLOCK * i :][:BLOCK]
         rim, rows = (1.0, 2) if wheel.steered else (wheel.radius, 1)
@@ -63,6 +66,7 @@ def arrays(robot: "Robot | Chassis", limits: "Limits | None" = None) -> Kinemati
         block[RADIUS : LOAD + 1] = [wheel.radius, wheel.max_speed, wheel.steer_rate, rim, rim / wheel.max_rim_speed]
         block[ROWS : ROWS + 3 * rows] = chassis.jacobian[row : row + rows].ravel()
         block[BACK : BACK + 3 * rows] = chassis.least_squares[:, row : row + rows].T.ravel()
+        block[CASTER], block[COUPLING], block[WEIGHT] = wheel.caster, wheel.coupling, chassis.row_scale[row] ** 2
     return kin
 
 
@@ -311,7 +315,7 @@ def saturate_wheels(kin: Array, speeds: Array) -> float:
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def forward_step(kin: Array, speeds: Array, steer: Array, twist_out: Array) -> float:
-    """Least-squares twist (3,) of wheel speeds (n,) [rad/s] and steering angles (m,) [rad].
+    """Least-squares twist (3,) of wheel speeds (n,) [rad/s] and steering angles (m,) [rad], without casters.
 
     Returns:
         Slip: root mean square over the rows of what the wheels contradict each other in [m/s of rim]; 0 for three

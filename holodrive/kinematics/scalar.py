@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from holodrive.kinematics.caster_scalar import forward_of, steady
 from holodrive.types import Array
 
 if TYPE_CHECKING:
@@ -23,16 +24,19 @@ class Scalar:
 
     Attributes:
         inverse: (vx, vy, omega) -> tuple of n wheel speeds [rad/s], then m steering angles [rad] (polar form).
-        forward: (n wheel speeds, then m steering angles) -> (vx, vy, omega) by least squares.
-        source: the text of both functions.
+        forward: (n wheel speeds, then m steering angles; with casters then m steering rates) -> (vx, vy, omega) by
+            least squares.
+        source: the text of both functions; with casters `forward` has none, for its matrix changes with the angles.
     """
 
     def __init__(self, chassis: "Chassis") -> None:
         self._chassis = chassis
-        self.source = inverse_source(chassis) + "\n\n" + forward_source(chassis)
-        functions = compile_functions(self.source, "scalar kinematics")
+        self.source = inverse_source(chassis)
+        if not chassis.castered:
+            self.source += "\n\n" + forward_source(chassis)
+        functions = compile_functions(self.source, "scalar kinematics", steady=steady)
         self.inverse: Callable[[float, float, float], tuple[float, ...]] = functions["inverse"]
-        self.forward: Callable[..., tuple[float, float, float]] = functions["forward"]
+        self.forward: Callable[..., tuple[float, float, float]] = functions.get("forward") or forward_of(chassis)
 
     @cached_property
     def command_step(self) -> Callable[..., Any]:
@@ -56,6 +60,11 @@ def inverse_source(chassis: "Chassis") -> str:
     for wheel, row in zip(chassis.wheels, chassis.row, strict=True):
         if wheel.steered:
             a, b = _bind(lines, rows[row], f"a{row}"), _bind(lines, rows[row + 1], f"b{row}")
+            if wheel.caster:
+                lines.append(f"u{row}, d{row} = steady({a}, {b}, omega, {wheel.caster!r})")
+                speeds.append(f"u{row}{times(1.0 / wheel.radius)}")
+                angles.append(f"d{row}")
+                continue
             speeds.append(f"sqrt({a} * {a} + {b} * {b}){times(1.0 / wheel.radius)}")
             angles.append(f"atan2({b}, {a})")
         else:

@@ -9,3 +9,4 @@ BAND = HYSTERESIS + FLIP_SLACK
 TIGHT = 1e-9
 GOAL = 1.0 - TIGHT  # a saturated wheel runs at this share of its limit, to TIGHT
 SLOW_DOWN_ROUNDS = 6
+POWERED_CASTER = 0.01  # m: modules that trail at least this far are driven as powered casters

@@ -38,6 +38,7 @@ def solve(
     steer: ArrayLike | None = None,
     weights: ArrayLike | None = None,
     wheel_sigma: ArrayLike | None = None,
+    steer_rates: ArrayLike | None = None,
 ) -> Solution:
     """Twist from wheel speeds (..., n) [rad/s] and steering angles (..., m) [rad].
 
@@ -48,24 +49,25 @@ def solve(
         weights: (n,) or (..., n) of each wheel's squared residual, 0 to leave a wheel out; 1 when not given.
         wheel_sigma: (n,) or one standard deviation of the wheel speeds [rad/s]. For a steered wheel it counts along
             and across the wheel alike.
+        steer_rates: (..., m) [rad/s]; matters with casters only, 0 when not given.
     """
-    rows = chassis.rows_of(speeds, steer)
-    matrix = chassis.jacobian
-    inverse = chassis.least_squares if weights is None else weighted_inverse(chassis, weights)
+    rows = chassis.rows_of(speeds, steer, steer_rates)
+    matrix = chassis.matrix_at(steer)
+    inverse = chassis.inverse_at(matrix) if weights is None else weighted_inverse(chassis, weights, matrix)
     twist = np.einsum("...ij,...j->...i", inverse, rows)
-    residual = rows - twist @ matrix.T
+    residual = rows - (np.einsum("...ij,...j->...i", matrix, twist) if chassis.castered else twist @ matrix.T)
     if chassis.redundancy == 0:
         residual = np.zeros_like(residual)
     rim = np.concatenate([[1.0, 1.0] if wheel.steered else [wheel.radius] for wheel in chassis.wheels])
     slip = np.sqrt(np.mean((residual * rim) ** 2, axis=-1))
-    covariance = _covariance(chassis, inverse, residual, weights, wheel_sigma)
+    covariance = _covariance(chassis, matrix, inverse, residual, weights, wheel_sigma)
     return Solution(twist, residual, covariance, slip, chassis.redundancy)
 
 
-def weighted_inverse(chassis: "Chassis", weights: ArrayLike) -> Array:
+def weighted_inverse(chassis: "Chassis", weights: ArrayLike, matrix: Array) -> Array:
     """(..., 3, rows) inverse that minimises the weighted squares of the residual: (J'WJ)^-1 J'W by QR."""
     root = np.sqrt(_per_row(chassis, weights, "weights")) * chassis.row_scale
-    q, r = np.linalg.qr(root[..., None] * chassis.jacobian)
+    q, r = np.linalg.qr(root[..., None] * matrix)
     diagonal = np.abs(np.diagonal(r, axis1=-2, axis2=-1))
     if np.any(diagonal.min(axis=-1) <= 1e-12 * diagonal.max(axis=-1)) or not np.all(np.isfinite(diagonal)):
         raise ChassisError("the wheels that the weights leave cannot tell all three motions; give more of them weight")
@@ -73,7 +75,12 @@ def weighted_inverse(chassis: "Chassis", weights: ArrayLike) -> Array:
 
 
 def _covariance(
-    chassis: "Chassis", inverse: Array, residual: Array, weights: ArrayLike | None, wheel_sigma: ArrayLike | None
+    chassis: "Chassis",
+    matrix: Array,
+    inverse: Array,
+    residual: Array,
+    weights: ArrayLike | None,
+    wheel_sigma: ArrayLike | None,
 ) -> Array:
     transpose = np.swapaxes(inverse, -1, -2)
     if wheel_sigma is not None:
@@ -88,7 +95,7 @@ def _covariance(
     freedom = np.maximum(np.count_nonzero(weight, axis=-1) - 3, 0)
     square = np.sum(weight * residual**2, axis=-1)
     variance = np.where(freedom > 0, square / np.maximum(freedom, 1), np.nan)
-    normal = np.swapaxes(chassis.jacobian, -1, -2) @ (weight[..., None] * chassis.jacobian)
+    normal = np.swapaxes(matrix, -1, -2) @ (weight[..., None] * matrix)
     return _full(np.asarray(np.linalg.inv(normal), dtype=np.float64), residual) * variance[..., None, None]
 
 

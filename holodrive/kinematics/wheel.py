@@ -6,6 +6,7 @@ A wheel touches the ground at (x, y), drives along `yaw`, and pushes along the a
     speed = [a_x, a_y, x a_y - y a_x] . twist / (r a.e)                     (paper 000 eq. 16, any wheel)
 
 A steered wheel sees its whole contact velocity v = [[1, 0, -y], [0, 1, x]] . twist, turned into its own axes.
+Where its contact trails behind the steering axis, (x, y) is that axis and `kinematics.caster` has the rest.
 """
 
 import math
@@ -33,13 +34,15 @@ class Wheel:
 
     Attributes:
         kind: "omni", "mecanum" or "swerve".
-        x, y: contact point [m].
+        x, y: contact point [m]; of a caster the steering axis.
         yaw: direction in which positive speed drives [rad]; for swerve the zero of the steering angle.
         radius: [m].
         roller: from the rolling direction to the roller axis on the ground [rad], modulo pi; 0 for omni.
         name: for messages; a `Chassis` fills it in.
         max_speed: limit [rad/s], infinite when unknown.
         steer_rate: fastest steering [rad/s], infinite when unknown; swerve only.
+        caster: how far the contact trails behind the steering axis [m]; below 0 it runs ahead; swerve only.
+        coupling: turns of the wheel against its drive per turn of the steering; swerve only.
     """
 
     kind: Kind
@@ -51,10 +54,12 @@ class Wheel:
     name: str = ""
     max_speed: float = math.inf
     steer_rate: float = math.inf
+    caster: float = 0.0
+    coupling: float = 0.0
 
     def __post_init__(self) -> None:
         label = f"wheel {self.name!r}" if self.name else f"{self.kind} wheel at ({self.x:g}, {self.y:g})"
-        for field in ("x", "y", "yaw", "radius", "roller"):
+        for field in ("x", "y", "yaw", "radius", "roller", "caster", "coupling"):
             if not math.isfinite(getattr(self, field)):
                 raise ChassisError(f"{label}: {field} is {getattr(self, field)}; give a finite number")
         for field in ("radius", "max_speed", "steer_rate"):
@@ -102,11 +107,12 @@ class Wheel:
         name: str = "",
         max_speed: float = math.inf,
         steer_rate: float = math.inf,
+        caster: float = 0.0,
+        coupling: float = 0.0,
     ) -> "Wheel":
         """Steered wheel; its steering angle counts from `yaw` [rad], counter-clockwise."""
-        return cls(
-            "swerve", float(x), float(y), float(yaw), float(radius), 0.0, name, float(max_speed), float(steer_rate)
-        )
+        wheel = cls("swerve", float(x), float(y), float(yaw), float(radius), 0.0, name, float(max_speed))
+        return replace(wheel, steer_rate=float(steer_rate), caster=float(caster), coupling=float(coupling))
 
     @classmethod
     def from_paper(cls, alpha: float, beta: float, gamma: float, l: float, r: float, *, name: str = "") -> "Wheel":  # noqa: E741
@@ -121,9 +127,12 @@ class Wheel:
     @classmethod
     def of(cls, spec: "WheelSpec") -> "Wheel":
         """The wheel that a robot file describes."""
-        rate = spec.steering.rate_rad_s if spec.steering is not None else math.inf
         roller = spec.roller if spec.kind == "mecanum" else 0.0
-        return cls(spec.kind, spec.x, spec.y, spec.yaw, spec.radius, roller, spec.name, spec.max_speed_rad_s, rate)
+        wheel = cls(spec.kind, spec.x, spec.y, spec.yaw, spec.radius, roller, spec.name, spec.max_speed_rad_s)
+        if spec.steering is None:
+            return wheel
+        servo = spec.steering
+        return replace(wheel, steer_rate=servo.rate_rad_s, caster=servo.caster_m, coupling=servo.coupling)
 
     @property
     def steered(self) -> bool:
@@ -155,7 +164,7 @@ class Wheel:
     def rows(self) -> Array:
         """Its rows of the Jacobian: (1, 3) [rad/s per twist] fixed, (2, 3) [m/s per twist] steered.
 
-        The two rows of a steered wheel are its contact velocity along and across `yaw`.
+        The two rows of a steered wheel are the velocity of its contact (of a caster's axis) along and across `yaw`.
         """
         if self.steered:
             c, s = math.cos(self.yaw), math.sin(self.yaw)
