@@ -76,8 +76,8 @@ def foc_voltage(state, at, params, pt, torque_demand, bus_v, omega_rotor, dt):  
     Arguments as in `foc_substep`. Only what the loops remember changes in `state`.
     """
     r, tau = 0.5 * params[pt + RESISTANCE], params[pt + INDUCTANCE] / params[pt + RESISTANCE]
-    left = math.exp(-dt / tau)
-    ohms = r / (1.0 - left)  # volts per ampere that a current changes in one step; L / dt for short ones
+    gone = -math.expm1(-dt / tau)
+    ohms = r / gone  # volts per ampere that a current changes in one step; L / dt for short ones
     here, turn = state[at + ANGLE], params[pt + PAIRS] * omega_rotor * dt
     now, then, middle = here + FLUX, here + FLUX + turn, here + 0.5 * turn
     i_alpha, i_beta = clarke(state[at + CURRENT_A], state[at + CURRENT_B], state[at + CURRENT_C])
@@ -91,7 +91,7 @@ def foc_voltage(state, at, params, pt, torque_demand, bus_v, omega_rotor, dt):  
 
     # EMF, and what carries the present current along with the rotor, so that u alone moves it in the rotor's frame
     e_alpha, e_beta = _known_emf(params, pt, omega_rotor, middle)
-    carried = ohms * left
+    carried = ohms * (1.0 - gone)
     turned_alpha, turned_beta = inverse_park(u_d + carried * i_d, u_q + carried * i_q, then)
     v_alpha, v_beta = e_alpha + turned_alpha - carried * i_alpha, e_beta + turned_beta - carried * i_beta
 
@@ -110,8 +110,8 @@ def foc_voltage(state, at, params, pt, torque_demand, bus_v, omega_rotor, dt):  
         u_d, u_q = made_d - carried * i_d, made_q - carried * i_q
         state[at + LIMITED] = 1.0
     # = held + R step without a limit, the integral of ki error; with one it ends at what was applied
-    state[at + HELD_D] += (1.0 - left) * (u_d - state[at + HELD_D])
-    state[at + HELD_Q] += (1.0 - left) * (u_q - state[at + HELD_Q])
+    state[at + HELD_D] += gone * (u_d - state[at + HELD_D])
+    state[at + HELD_Q] += gone * (u_q - state[at + HELD_Q])
     return v_alpha, v_beta
 
 
@@ -142,7 +142,7 @@ def conduct(state, at, params, pt, v_alpha, v_beta, omega_rotor, dt):  # type: i
 
 @leaf
 def shape_vector(angle, sine):  # type: ignore[no-untyped-def]
-    """(alpha, beta) of F in the three phases at an electrical angle [rad]; power-free common part left out."""
+    """(alpha, beta) of F in the three phases at an electrical angle [rad]; their common part, which no current feels, left out."""
     if sine > 0.5:
         return SINE_PEAK * math.cos(angle - SECTOR), SINE_PEAK * math.sin(angle - SECTOR)
     return clarke(emf_shape(angle, sine), emf_shape(angle - THIRD, sine), emf_shape(angle - 2.0 * THIRD, sine))
