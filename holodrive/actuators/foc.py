@@ -142,7 +142,7 @@ def conduct(state, at, params, pt, v_alpha, v_beta, omega_rotor, dt):  # type: i
 
 @leaf
 def shape_vector(angle, sine):  # type: ignore[no-untyped-def]
-    """(alpha, beta) of F in the three phases at an electrical angle [rad]; their common part, which no current feels, left out."""
+    """(alpha, beta) of F in the three phases at an electrical angle [rad]; what they have in common drives nothing."""
     if sine > 0.5:
         return SINE_PEAK * math.cos(angle - SECTOR), SINE_PEAK * math.sin(angle - SECTOR)
     return clarke(emf_shape(angle, sine), emf_shape(angle - THIRD, sine), emf_shape(angle - 2.0 * THIRD, sine))
