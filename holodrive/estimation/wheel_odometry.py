@@ -3,6 +3,9 @@
 One step, for any chassis: angle increments of the wheels give the body displacement that explains them best (least
 squares in metres of rim, `kinematics.kernel.forward_step`), a gyro may correct its turn, the exact SE(2) exponential
 moves the pose, and the covariance grows with the noise of each wheel (`estimation.dead_reckoning`).
+
+Of a wheel that trails behind its axis the turn of the module counts as well, and what a coupled steering turns the
+encoder is taken out first. The covariance takes such a wheel to roll where its axis stands.
 """
 
 import math
@@ -16,6 +19,7 @@ from holodrive import layout
 from holodrive.errors import InputError
 from holodrive.estimation.dead_reckoning import advance, carry, levers, spread
 from holodrive.kinematics import kernel as kin
+from holodrive.kinematics.caster_kernel import caster_forward_step
 from holodrive.kinematics.chassis import Chassis
 from holodrive.types import Array
 
@@ -42,7 +46,7 @@ SLIP = 19  # m/s of rim
 USED, DUPLICATES, BAD_STAMPS, BAD_VALUES, JUMPS = 20, 21, 22, 23, 24
 CANDIDATE_TIME = 25  # s, of the sample that jumped, NaN when the last one did not
 DISPLACEMENT = 26  # 3: scratch
-ANGLES = 29  # n old angles, n increments, n of the sample that jumped, then m old, m middle, m of the jumped
+ANGLES = 29  # n old angles, n increments, n of the jumped sample, then m old, m middle, m of the jumped, m increments
 _SHORTEST_S = 1e-6  # samples nearer than this are the same sample twice
 _CLOCK_RESTARTED_S = 1.0  # a stamp this far back is a new clock, not a late sample
 _CLOCK_SET_S = 1e5  # so is one a day ahead: a clock that was set
@@ -92,7 +96,7 @@ class WheelOdometry:
 
     def memory_size(self, robot: "Robot | Chassis") -> int:
         """How many float64 the kernel keeps between ticks."""
-        return ANGLES + 3 * len(robot.wheels) + 3 * len(robot.steered)
+        return ANGLES + 3 * len(robot.wheels) + 4 * len(robot.steered)
 
     def pack(self, robot: "Robot | Chassis") -> Array:
         """The parameters and the kinematics of the robot, as one vector."""
@@ -267,7 +271,11 @@ def displace(
         old = memory[ANGLES + 3 * n + j]
         middle[j] = old + params[STEER_AT] * kin.wrap(steer[j] - old)
     displacement = memory[DISPLACEMENT : DISPLACEMENT + 3]
-    memory[SLIP] = kin.forward_step(arrays, turns, middle, displacement) / dt
+    if arrays[kin.TRAILS] == 0.0:
+        memory[SLIP] = kin.forward_step(arrays, turns, middle, displacement) / dt
+    else:
+        steered = memory[ANGLES + 3 * n + 3 * m : ANGLES + 3 * n + 4 * m]
+        memory[SLIP] = trailing_displacement(params, memory, turns, steer, steered, displacement) / dt
     turn = gyro_turn(memory, dt, gyro, heading)
     share, variance = 0.0, 0.0
     if math.isfinite(turn):
@@ -278,6 +286,23 @@ def displace(
             share = wheels / (wheels + variance) if wheels > 0.0 else 0.0
         displacement[2] += share * (turn - displacement[2])
     grow(params, memory, turns, middle, share, share * share * variance)
+
+
+@njit(cache=True, error_model="numpy")
+def trailing_displacement(
+    params: Array, memory: Array, turns: Array, steer: Array, steered: Array, displacement: Array
+) -> float:
+    """`forward_step` where wheels trail or are coupled: takes the coupling out of `turns`, counts the steering in."""
+    n = int(params[N_WHEELS])
+    arrays = params[NOISE + 2 * n :]
+    for i in range(n):
+        b = kin.WHEELS + kin.BLOCK * i
+        j = int(arrays[b + kin.STEER_INDEX])
+        if j >= 0:
+            steered[j] = kin.wrap(steer[j] - memory[ANGLES + 3 * n + j])
+            turns[i] -= arrays[b + kin.COUPLING] * steered[j]
+    # modules stand where the interval is judged: (1 - steer_at) of their turn before the newest angles
+    return float(caster_forward_step(arrays, turns, steer, steered, 1.0 - params[STEER_AT], displacement))
 
 
 @njit(cache=True, error_model="numpy")

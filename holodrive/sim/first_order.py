@@ -2,8 +2,8 @@
 
     dw/dt = (duty * no-load speed - w) / lag,   twist = J^+ w,   pose <- pose exp(twist dt)
 
-Both the lag and the SE(2) step are exact for a duty held over the step: wheels have no step error at all, the pose
-one of second order, where the twist changes direction within a step.
+With casters the twist is that of `sim.caster`. Both the lag and the SE(2) step are exact for a duty held over the
+step: wheels have no step error at all, the pose one of second order, where the twist changes direction within a step.
 """
 
 import math
@@ -12,6 +12,7 @@ from holodrive import obstacles as ob
 from holodrive.leaf import leaf
 from holodrive.sim import model as md
 from holodrive.sim import state as st
+from holodrive.sim.caster import steering_turned, trailing_step, twist_into
 from holodrive.sim.contact import keep_outside
 from holodrive.sim.turn import turn_factors
 
@@ -94,10 +95,14 @@ def settle_wheels(model, state, n, left, time):  # type: ignore[no-untyped-def]
 @leaf
 def steer(model, state, n):  # type: ignore[no-untyped-def]
     """One step of the steering servos: lag inside a rate limit."""
+    trails = model[md.CASTER_AT] > 0.0
     for i in range(n):
         w = md.WHEELS + i * md.BLOCK
         if model[w + md.STEERED] >= 0.0:
+            angle = state[st.STEER + int(model[w + md.STEERED])]
             servo_step(model, state, w)
+            if trails:
+                steering_turned(model, state, i, angle, model[md.DT])
 
 
 @leaf
@@ -111,6 +116,8 @@ def servo_step(model, state, w):  # type: ignore[no-untyped-def]
 @leaf
 def wheels_step(model, state, n, dt):  # type: ignore[no-untyped-def]
     """Step the wheel speeds; the body's mean twist over the step."""
+    if model[md.CASTER_AT] > 0.0:
+        return trailing_step(model, state, n, dt)
     vx = vy = omega = 0.0
     for i in range(n):
         w = md.WHEELS + i * md.BLOCK
@@ -137,6 +144,9 @@ def with_wheel(model, state, w, speed, vx, vy, omega):  # type: ignore[no-untype
 @leaf
 def twist_of_wheels(model, state, n):  # type: ignore[no-untyped-def]
     """Write the twist that the wheels ask for now."""
+    if model[md.CASTER_AT] > 0.0:
+        twist_into(model, state, st.WHEEL_SPEED, 0.0, st.TWIST)
+        return
     vx = vy = omega = 0.0
     for i in range(n):
         w, speed = md.WHEELS + i * md.BLOCK, state[st.WHEEL_SPEED + i]

@@ -12,7 +12,7 @@ import numpy as np
 from holodrive.actuators import duty_curve
 from holodrive.actuators.lag import lag_factors
 from holodrive.errors import InputError
-from holodrive.kinematics import Chassis
+from holodrive.kinematics import Chassis, kernel
 from holodrive.layout import MAX_MICE, MAX_WHEELS
 from holodrive.robots.spec import Imu, Lidar, Robot
 from holodrive.sim import motor_blocks
@@ -55,7 +55,8 @@ MOTORS_AT = 44  # where the motors begin: a block for each drive, then one for e
 SUBSTEPS = 45  # of a physics step on the plant "motors"
 LOOP_SHARE = 46  # share of a new wheel speed that the board lets in at each physics step, plant "motors"
 LOOP_AHEAD = 47  # share of feed-forward
-WHEELS = 48  # the first wheel's block begins here
+CASTER_AT = 48  # where the kinematics begin of a robot with casters or couplings; 0 = none
+WHEELS = 49  # the first wheel's block begins here
 
 # --- block of a wheel ----------------------------------------------------------------------------
 STEERED = 0  # place in steering arrays, or -1
@@ -120,7 +121,10 @@ def model_of(robot: Robot, dt_s: float) -> Array:
     board = duty_curve.pack(robot.linearizer.wheels) if robot.linearizer else np.zeros(0)
     ahead = WHEELS + n * BLOCK + mice * MOUSE + 2 * beams
     motors = motor_blocks.pack(robot)
-    model = np.concatenate([np.zeros(ahead), actuators, board, motors])
+    chassis = Chassis.of(robot)
+    trailing = kernel.arrays(chassis) if chassis.trails else np.zeros(0)
+    model = np.concatenate([np.zeros(ahead), actuators, board, motors, trailing])
+    model[CASTER_AT] = len(model) - len(trailing) if len(trailing) else 0
     model[MAP_AT] = ahead if len(actuators) else 0
     model[LINEARIZER_AT] = ahead + len(actuators) if len(board) else 0
     model[MOTORS_AT] = ahead + len(actuators) + len(board)

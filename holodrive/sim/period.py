@@ -8,11 +8,13 @@ from holodrive import layout
 from holodrive.actuators.duty_curve import duty_of
 from holodrive.actuators.speed_loop import speed_loop_step
 from holodrive.errors import InputError, UnknownName
+from holodrive.kinematics import Chassis
 from holodrive.leaf import leaf, set_all
 from holodrive.robots.spec import Robot
 from holodrive.sim import model as md
 from holodrive.sim import motor_blocks
 from holodrive.sim import state as st
+from holodrive.sim.caster import carried_by_steering
 from holodrive.sim.contact import free_distance, write_event
 from holodrive.sim.first_order import first_order_period
 from holodrive.sim.motors import motors_period
@@ -114,8 +116,12 @@ def flush(state, first, count):  # type: ignore[no-untyped-def]
 def drive(model, state):  # type: ignore[no-untyped-def]
     """The motor board: wheel-speed commands to duties; by feed-forward alone where there is no encoder."""
     kp, ki, period = model[md.LOOP_KP], model[md.LOOP_KI], model[md.PERIOD]
+    trails = model[md.CASTER_AT] > 0.0
     for i in range(int(model[md.N])):
         w, command = md.WHEELS + i * md.BLOCK, state[st.COMMAND + i]
+        if trails and state[st.DIRECT] == 0.0:
+            # the steering turns the wheel against its drive, as fast as it did when the board last looked
+            command += carried_by_steering(model, state, i)
         unit = model[w + md.PER_NO_LOAD]
         if state[st.DIRECT] != 0.0:
             state[st.DUTY + i], state[st.INTEGRAL + i] = command, 0.0
@@ -177,8 +183,8 @@ def plant_number(robot: Robot, plant: str) -> int:
 
     Raises:
         UnknownName: no such plant.
-        InputError: the robot's actuators were never measured, which "pwm_map" needs, or its motors are not
-            described well enough for "motors".
+        InputError: the robot's actuators were never measured, which "pwm_map" needs, or it has casters, which that
+            plant does not know, or its motors are not described well enough for "motors".
     """
     if plant not in PLANTS:
         raise UnknownName("plant", plant, PLANTS)
@@ -186,6 +192,11 @@ def plant_number(robot: Robot, plant: str) -> int:
         raise InputError(
             f"{robot.name} has no [pwm_map], which the plant pwm_map simulates; add one to its file, "
             "or choose the plant first_order, slip or motors"
+        )
+    if plant == "pwm_map" and Chassis.of(robot).trails:
+        raise InputError(
+            f"{robot.name} has wheels with caster or coupling, which the plant pwm_map does not simulate; "
+            "choose the plant first_order, slip or motors"
         )
     if plant == "motors":
         motor_blocks.check(robot)

@@ -9,6 +9,7 @@ from holodrive.sim import lidar as rays
 from holodrive.sim import model as md
 from holodrive.sim import state as st
 from holodrive.sim import streams
+from holodrive.sim.caster import coupling
 
 
 @leaf
@@ -40,10 +41,13 @@ def sense(model, obstacles, state, key, ranges, pending):  # type: ignore[no-unt
 @leaf
 def read_encoders(model, state):  # type: ignore[no-untyped-def]
     """Whole counts since the start, and the motor board's filtered speed; NaN without an encoder."""
-    share, moved = model[md.LOOP_FILTER], state[st.TICK] > 0.0
+    share, moved, trails = model[md.LOOP_FILTER], state[st.TICK] > 0.0, model[md.CASTER_AT] > 0.0
     for i in range(int(model[md.N])):
         w = md.WHEELS + i * md.BLOCK
-        count = np.floor(state[st.WHEEL_ANGLE + i] * model[w + md.COUNTS])
+        angle = state[st.WHEEL_ANGLE + i]
+        if trails and model[w + md.STEERED] >= 0.0:  # the encoder sits on the drive, which the steering does not turn
+            angle += coupling(model, i) * state[st.STEER + int(model[w + md.STEERED])]
+        count = np.floor(angle * model[w + md.COUNTS])
         if moved:
             speed = (count - state[st.COUNT + i]) * model[w + md.COUNT_SPEED]
             speed = state[st.MEASURED + i] + share * (speed - state[st.MEASURED + i])

@@ -17,6 +17,9 @@ new velocities is solved for. Each wheel's new speed depends on the body alone,
 so that only a symmetric positive 3 x 3 system for the body is left: stable at any step, and never a gain of energy
 without a motor. Velocities are those of the centre of mass, so that the mass matrix is diagonal and the turn of the
 body's axes is an exact rotation at the end of the step.
+
+The contact of a caster is c behind its axis, and its steering sweeps it sideways: q = f . v - c d'. A steering servo
+does what its command says, whatever the ground's or a coupling's torque about its axis.
 """
 
 import math
@@ -26,12 +29,13 @@ from holodrive.actuators.dc_motor import bus_voltage, conductance, dry_friction
 from holodrive.leaf import leaf
 from holodrive.sim import model as md
 from holodrive.sim import state as st
+from holodrive.sim.caster import carried_by_steering, trail
 from holodrive.sim.contact import keep_outside
 from holodrive.sim.first_order import steer
 from holodrive.sim.turn import turn_factors
 
 # places in a wheel's row at `state.CONTACT`: rows along traction and along the free direction, then this step's numbers
-_A, _F, _KAPPA, _SIGMA, _N, _D, _H, _G, _S, _Q = 0, 3, 6, 7, 8, 9, 10, 13, 14, 15
+_A, _F, _KAPPA, _SIGMA, _N, _D, _H, _G, _S, _Q, _SWEEP = 0, 3, 6, 7, 8, 9, 10, 13, 14, 15, 16
 _MOST_PASSES = 20  # of one step; one does while slip changes little
 _EXCESS = 1.02  # of the grip, that a force may reach before the step is solved again
 
@@ -79,6 +83,7 @@ def slip_period(model, obstacles, state, events):  # type: ignore[no-untyped-def
 @leaf
 def contacts(model, state, n):  # type: ignore[no-untyped-def]
     """Directions of traction and of free rolling as rows over the twist of the centre of mass."""
+    trails = model[md.CASTER_AT] > 0.0
     for i in range(n):
         w, t = md.WHEELS + i * md.BLOCK, st.CONTACT + i * st.CONTACT_ROW
         j = int(model[w + md.STEERED])
@@ -91,6 +96,10 @@ def contacts(model, state, n):  # type: ignore[no-untyped-def]
         state[t + _A], state[t + _A + 1], state[t + _A + 2] = ax, ay, px * ay - py * ax
         state[t + _F], state[t + _F + 1], state[t + _F + 2] = -ay, ax, px * ax + py * ay
         state[t + _KAPPA], state[t + _SIGMA] = model[w + md.RADIUS], 0.0
+        if trails:  # the contact is `caster` behind the axis, on the same line of traction
+            caster = trail(model, i)
+            state[t + _F + 2] -= caster
+            state[t + _SWEEP] = caster * state[st.STEER_RATE + j]
 
 
 @leaf
@@ -100,7 +109,8 @@ def battery(model, state, n):  # type: ignore[no-untyped-def]
     at_zero = per_volt = 0.0
     for i in range(n):
         w, t = md.WHEELS + i * md.BLOCK, st.CONTACT + i * st.CONTACT_ROW
-        duty, speed, current = state[st.DUTY + i], state[st.WHEEL_SPEED + i], state[st.CURRENT + i]
+        duty, current = state[st.DUTY + i], state[st.CURRENT + i]
+        speed = state[st.WHEEL_SPEED + i] + carried_by_steering(model, state, i)  # of the drive
         emf, reactance = model[w + md.BACK_EMF], model[w + md.REACTANCE]
         g = conductance(duty * last, speed, current, emf, model[w + md.RESISTANCE], reactance, model[w + md.LIMIT])
         state[t + _G] = g
@@ -134,7 +144,8 @@ def measure(state, i, vx, vy, omega, speed):  # type: ignore[no-untyped-def]
     """Write how a tyre slides [m/s] along its traction and along its free direction."""
     t = st.CONTACT + i * st.CONTACT_ROW
     state[t + _S] = state[t + _A] * vx + state[t + _A + 1] * vy + state[t + _A + 2] * omega - state[t + _KAPPA] * speed
-    state[t + _Q] = state[t + _F] * vx + state[t + _F + 1] * vy + state[t + _F + 2] * omega - state[t + _SIGMA] * speed
+    side = state[t + _F] * vx + state[t + _F + 1] * vy + state[t + _F + 2] * omega
+    state[t + _Q] = side - state[t + _SIGMA] * speed - state[t + _SWEEP]
 
 
 @leaf
@@ -185,6 +196,9 @@ def body_step(model, state, voltage, n, vx, vy, omega):  # type: ignore[no-untyp
         m23 += k_a * a2 * a3 + k_f * f2 * f3 - h2 * p3
         m33 += k_a * a3 * a3 + k_f * f3 * f3 - h3 * p3
         b1, b2, b3 = b1 + p1 * ready, b2 + p2 * ready, b3 + p3 * ready
+        if state[t + _SWEEP] != 0.0:  # of steered wheels alone, whose fs is 0
+            sweep = k_f * state[t + _SWEEP]
+            b1, b2, b3 = b1 + sweep * f1, b2 + sweep * f2, b3 + sweep * f3
     return solve_symmetric(m11, m12, m13, m22, m23, m33, b1, b2, b3)
 
 
@@ -193,8 +207,11 @@ def motor_step(model, state, w, i, voltage, conductance, speed):  # type: ignore
     """Angular momentum N with the motor's push in it [N m s], and all that brakes per speed [N m s/rad]."""
     torque = model[w + md.TORQUE] * conductance
     push = state[st.DUTY + i] * voltage + model[w + md.REACTANCE] * state[st.CURRENT + i]
-    damping = model[w + md.VISCOUS] + dry_friction(model[w + md.COULOMB], speed) + torque * model[w + md.BACK_EMF]
-    return model[w + md.SPIN] * speed + model[md.DT] * torque * push, damping
+    carried = carried_by_steering(model, state, i)
+    friction = dry_friction(model[w + md.COULOMB], speed + carried)
+    damping = model[w + md.VISCOUS] + friction + torque * model[w + md.BACK_EMF]
+    ready = model[w + md.SPIN] * speed + model[md.DT] * torque * push
+    return ready - model[md.DT] * damping * carried, damping
 
 
 @leaf
@@ -219,7 +236,8 @@ def spin(model, state, voltage, n, vx, vy, omega):  # type: ignore[no-untyped-de
         pull = state[t + _H] * vx + state[t + _H + 1] * vy + state[t + _H + 2] * omega
         speed = (state[t + _N] + pull) * state[t + _D]
         push = state[st.DUTY + i] * voltage + model[w + md.REACTANCE] * state[st.CURRENT + i]
-        current = state[t + _G] * (push - model[w + md.BACK_EMF] * speed)
+        drive = speed + carried_by_steering(model, state, i)
+        current = state[t + _G] * (push - model[w + md.BACK_EMF] * drive)
         state[st.WHEEL_SPEED + i], state[st.CURRENT + i] = speed, current
         state[st.WHEEL_ANGLE + i] += speed * dt
         drawn += state[st.DUTY + i] * current

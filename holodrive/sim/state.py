@@ -47,8 +47,9 @@ MICE_CARRY = MICE + 2 * MAX_MICE  # 2 k: counts not told yet, below 1
 AIM = MICE_CARRY + 2 * MAX_MICE  # n: rad/s that the duty leads to, plant "pwm_map"; and so are the next two
 HEADED = AIM + MAX_WHEELS  # n: -1, 0 or 1, which way the wheel turns or is about to
 WAIT = HEADED + MAX_WHEELS  # n: s of dead time still to go
-CONTACT = WAIT + MAX_WHEELS  # n rows: scratch of the slip plant, see there
-CONTACT_ROW = 16
+STEER_RATE = WAIT + MAX_WHEELS  # m: rad/s of the last physics step; robots with casters or couplings only
+CONTACT = STEER_RATE + MAX_WHEELS  # n rows: scratch of the slip plant, see there
+CONTACT_ROW = 17
 SIZE = CONTACT + CONTACT_ROW * MAX_WHEELS
 
 # --- plant "motors" only, see there: numbers of the body, then a row for each drive motor and each steering ----------
@@ -67,16 +68,17 @@ MOTOR_ACCEL = 20  # rad/s^2 in the last sub-step
 MOTOR_TURNED = 21  # rad in this physics step
 MOTOR_READY = 22  # N m: scratch of a sub-step
 MOTOR_LEVER = 23  # 3: twist of the centre of mass per speed of the shaft; m, m, 1
-MOTOR_TORQUE = 26  # N m behind gear and its losses, mean of the last control period; and so are the next three
-MOTOR_CURRENT = 27  # A that make torque: the current of the equivalent DC motor
+MOTOR_CURRENT = 26  # A that make torque: the current of the equivalent DC motor
+MOTOR_TORQUE = 27  # N m behind gear and its losses; means of the last control period, and so are the next two
 MOTOR_INPUT = 28  # W from the drivers; below 0 while it brakes
 MOTOR_OUTPUT = 29  # W that the shaft gives to the load
 MOTOR_INPUT_J, MOTOR_COPPER_J, MOTOR_OUTPUT_J = 30, 31, 32  # J since start: electrical, lost in copper, at the shaft
 MOTOR_SHAFT_J = 33  # J at the shaft in this control period
-MOTOR_MOVING = 34  # rad/s, how fast the commands of a steering move
+MOTOR_MOVING = 34  # rad/s, how fast a steering's target moves evenly; 0 while it does not
 MOTOR_FROM = 35  # rad, a steering's angle at the start of this physics step
 MOTOR_IMPULSE = 36  # N m s of the rotor in this control period
-MOTOR_ROW = 37
+MOTOR_RATE = 37  # rad/s, how fast the commands of a steering moved in this tick
+MOTOR_ROW = 38
 
 # --- event table: one row for each event of a robot ----------------------------------------------
 EVENT_TIME = 0  # s
