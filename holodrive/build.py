@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from holodrive.estimation import Evaluation
     from holodrive.sim import Rollout, SimBase
 
-Plant = Literal["first_order", "slip", "pwm_map"]
+Plant = Literal["first_order", "slip", "pwm_map", "motors"]
 DEFAULT_DURATION_S = 60.0
 AFTER_TRAJECTORY_S = 2.0  # for the robot to settle at the end
 
@@ -67,8 +67,9 @@ def simulate(
 
     Args:
         robot, world: by name, file or value; no world is the open floor.
-        plant: "first_order" (wheels follow with a lag, no slip), "slip" (motors, grip, battery) or "pwm_map" (the
-            measured actuators of the robot's [pwm_map], no slip).
+        plant: "first_order" (wheels follow with a lag, no slip), "slip" (motors, grip, battery), "pwm_map" (the
+            measured actuators of the robot's [pwm_map], no slip) or "motors" (drives and steerings with their own
+            electromechanics, commutation included, no slip).
         seed: of all noise.
         start: pose (x, y, theta) in the world; the world's own when None.
         dt_s: physics step.

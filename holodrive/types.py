@@ -59,6 +59,28 @@ class WheelState:
     steer: Array
 
 
+class MotorState(NamedTuple):
+    """What the motors do: k = n drives, then m steerings in the order of the steered wheels; NaN where unknown.
+
+    Attributes:
+        current: (..., k) that makes torque [A]: of the equivalent DC motor.
+        torque: (..., k) behind gear and its losses [N m].
+        electrical: (..., k) power from the driver [W]; below 0 while the motor brakes.
+        mechanical: (..., k) power that the shaft gives to its load [W].
+    """
+
+    current: Array
+    torque: Array
+    electrical: Array
+    mechanical: Array
+
+    @property
+    def efficiency(self) -> Array:
+        """(..., k) mechanical over electrical power where the motor drives, NaN where it does not."""
+        drives = (self.electrical > 0.0) & (self.mechanical >= 0.0)
+        return np.divide(self.mechanical, self.electrical, out=np.full_like(self.electrical, np.nan), where=drives)
+
+
 @dataclass(frozen=True, slots=True)
 class Scan:
     """One revolution of a range sensor, in the sensor's frame.

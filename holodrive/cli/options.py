@@ -53,8 +53,11 @@ def seed_option(function: Function) -> Function:
 
 def plant_option(function: Function) -> Function:
     """--plant: which physics."""
-    choice = click.Choice(["first_order", "slip", "pwm_map"])
-    text = "Physics: wheels that follow with a lag, motors and wheel slip, or the robot's measured actuators."
+    choice = click.Choice(["first_order", "slip", "pwm_map", "motors"])
+    text = (
+        "Physics: wheels that follow with a lag; motors and wheel slip; the robot's measured actuators; "
+        "or motors in full, commutation and steering included."
+    )
     return click.option("--plant", type=choice, default="first_order", show_default=True, help=text)(function)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holodrive import layout
+from holodrive.actuators.bldc import CURRENT_A
 from holodrive.errors import InputError
 from holodrive.obstacles import obstacle_names, obstacles_of
 from holodrive.robots.spec import Robot
@@ -15,7 +16,18 @@ from holodrive.sim import period as kernels
 from holodrive.sim import state as st
 from holodrive.sim.contact import STANDING
 from holodrive.sim.streams import key_of
-from holodrive.types import Array, DutyCommand, Event, Observation, Pose, Scan, Twist, WheelCommand, WheelState
+from holodrive.types import (
+    Array,
+    DutyCommand,
+    Event,
+    MotorState,
+    Observation,
+    Pose,
+    Scan,
+    Twist,
+    WheelCommand,
+    WheelState,
+)
 from holodrive.worlds.spec import World
 
 
@@ -149,6 +161,34 @@ class SimBase:
     def true_wheel_speeds(self) -> Array:
         """(n,) real wheel speeds [rad/s]."""
         return np.array(self._state[st.WHEEL_SPEED : st.WHEEL_SPEED + self._n])
+
+    @property
+    def motors(self) -> MotorState | None:
+        """Currents, torques and powers (n + m) of drives and steerings, means of the last control period.
+
+        None on the plants that do not simulate each motor; NaN for a steering servo.
+        """
+        if self._plant != kernels.MOTORS:
+            return None
+        rows = self._motor_rows()
+        return MotorState(*(rows[:, st.MOTOR_CURRENT + i].copy() for i in range(4)))
+
+    @property
+    def motor_energy_j(self) -> Array | None:
+        """(n + m, 3) of drives and steerings since start [J]: electrical, lost in copper, given to the load."""
+        if self._plant != kernels.MOTORS:
+            return None
+        return self._motor_rows()[:, st.MOTOR_INPUT_J : st.MOTOR_INPUT_J + 3].copy()
+
+    @property
+    def phase_currents(self) -> Array | None:
+        """(n + m, 3) into the phases of each motor now [A]; a brushed motor's current is the first."""
+        if self._plant != kernels.MOTORS:
+            return None
+        return self._motor_rows()[:, CURRENT_A : CURRENT_A + 3].copy()
+
+    def _motor_rows(self) -> Array:
+        return self._state[st.MOTOR :].reshape(self._n + self._m, st.MOTOR_ROW)
 
     @property
     def energy_j(self) -> float:

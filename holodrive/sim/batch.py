@@ -23,7 +23,7 @@ from holodrive.sim import state as st
 from holodrive.sim.base import event_of
 from holodrive.sim.model import model_of
 from holodrive.sim.streams import key_of
-from holodrive.types import Array, Event
+from holodrive.types import Array, Event, MotorState
 from holodrive.worlds.spec import World
 
 MAX_EVENTS = 16  # of one robot that are kept in full; all are counted
@@ -69,6 +69,14 @@ class Rollout:
     def fault(self) -> Any:
         """(n,) whether a command was not finite, which stopped the robot for good."""
         return self.state[:, st.FAULT] != 0.0
+
+    @property
+    def motor_energy_j(self) -> Array | None:
+        """(n, k, 3) of drives and steerings [J]: electrical, lost in copper, given to the load; plant "motors" only."""
+        if self.state.shape[1] == st.SIZE:
+            return None
+        rows = self.state[:, st.MOTOR :].reshape(len(self.state), -1, st.MOTOR_ROW)
+        return rows[:, :, st.MOTOR_INPUT_J : st.MOTOR_INPUT_J + 3]
 
     @cached_property
     def events(self) -> tuple[tuple[Event, ...], ...]:
@@ -144,7 +152,7 @@ def rollout(
     places = _worlds(world, n)
     ticks = max(1, round(t / robot.control_period_s))
     rows = -(-ticks // log_every) if log_every else 0
-    columns = log_columns(robot)
+    columns = log_columns(robot, plant)
     begin = _starts(starts, places, n)
     kind, table, bounds = _references(reference, goals, places, begin, n)
     plugs = (compile_plug(controller), compile_plug(estimator) if estimator else compiled.no_plug)
@@ -197,13 +205,16 @@ def rollout(
     )
 
 
-def log_columns(robot: Robot) -> tuple[str, ...]:
-    """Names of a log's columns; wheels by their names."""
+def log_columns(robot: Robot, plant: str = "first_order") -> tuple[str, ...]:
+    """Names of a log's columns; wheels by their names. The plant "motors" adds what `types.MotorState` tells."""
     names = ["time", "x", "y", "theta", "est_x", "est_y", "est_theta", "ref_x", "ref_y", "ref_theta"]
     names += ["vx", "vy", "omega"]
     for what in ("command", "speed", "duty"):
         names += [f"{what}:{wheel.name}" for wheel in robot.wheels]
     names += [f"steer:{robot.wheels[i].name}" for i in robot.steered]
+    if plant == "motors":
+        drives = [*(wheel.name for wheel in robot.wheels), *(f"{robot.wheels[i].name}.steering" for i in robot.steered)]
+        names += [f"{what}:{name}" for name in drives for what in MotorState._fields]
     return tuple(names)
 
 

@@ -47,6 +47,8 @@ from holodrive.sim.contact import keep_outside
 from holodrive.sim.first_order import servo_step, twist_of_wheels, with_wheel
 from holodrive.sim.turn import turn_factors
 
+_SLEWS = 0.95  # of the fastest steering: from there on a module slews
+_LEAST_BUS = 1e-3  # of the battery's voltage: windings may want more current than it can ever give
 _DEAD = 1e-200  # A, V, rad/s
 
 
@@ -57,10 +59,9 @@ def motors_period(model, obstacles, state, events):  # type: ignore[no-untyped-d
     fastest = obstacles[ob.FASTEST] * dt
     moved_x = moved_y = moved_turn = 0.0
     for k in range(steps):
-        bus = supply(model, state, n + m)
         board(model, state, n, m, k * dt)
         levers(model, state, n, m)
-        vx, vy, omega = shafts(model, state, n, m, bus)
+        vx, vy, omega = shafts(model, state, n, m)
         dx, dy, turn = vx * dt, vy * dt, omega * dt
         moved_x, moved_y, moved_turn = moved_x + dx, moved_y + dy, moved_turn + turn
         sine, versine = turn_factors(turn)
@@ -79,22 +80,16 @@ def motors_period(model, obstacles, state, events):  # type: ignore[no-untyped-d
 
 
 @leaf
-def supply(model, state, count):  # type: ignore[no-untyped-def]
-    """Voltage [V] of the battery under what the drivers drew in the last step, and under what their duties change.
-
-    Solved with the motors' conductances, so that a weak battery does not swing from step to step. What braking gives
-    back is burnt, not stored.
-    """
-    last, drawn, per_volt = state[st.VOLTAGE], max(0.0, state[st.BUS_CURRENT]), 0.0
+def conductance(model, state, count, h):  # type: ignore[no-untyped-def]
+    """How much more the drivers draw for each volt more, within a sub-step of `h` [s], at this step's duties [S]."""
+    per_volt = 0.0
     for k in range(count):
         at, p = st.MOTOR + k * st.MOTOR_ROW, int(model[md.MOTORS_AT]) + k * mb.BLOCK
         if model[p + mb.KIND] != mb.SERVO:
-            duty = state[at + st.MOTOR_DUTY]
-            per_volt += duty * duty / (model[p + RESISTANCE] + model[p + INDUCTANCE] / model[md.DT])
-    full = model[md.BATTERY_V] if state[st.CHARGE] < model[md.BATTERY_C] else 0.0
-    voltage = max(0.0, bus_voltage(full, model[md.BATTERY_R], drawn - per_volt * last, per_volt))
-    state[st.VOLTAGE] = voltage
-    return voltage
+            duty, r, react = state[at + st.MOTOR_DUTY], model[p + RESISTANCE], model[p + INDUCTANCE] / h
+            # a current loop brings its current to duty times voltage over R at once, with the voltage that takes
+            per_volt += duty * duty * ((r + react) / (r * r) if model[p + mb.KIND] == mb.FOC else 1.0 / (r + react))
+    return per_volt
 
 
 @leaf
@@ -140,15 +135,17 @@ def drive_loop(model, state, n, i):  # type: ignore[no-untyped-def]
 def steer_loop(model, state, n, j, since):  # type: ignore[no-untyped-def]
     """Duty of one steering motor, towards a target that moves at no more than the steering's rate.
 
-    With feed-forward the target moves evenly through the control tick, so that its mean is what was commanded, and
-    the rate's own voltage is added: a module that turns steadily follows without lag.
+    With feed-forward, a target whose commands move evenly moves on within the control tick, so that its mean is what
+    was commanded, and the rate's own voltage is added: a module that turns steadily follows without lag. A module that
+    slews to a new direction has no feed-forward, which would carry it beyond.
     """
     at, p = st.MOTOR + (n + j) * st.MOTOR_ROW, int(model[md.MOTORS_AT]) + (n + j) * mb.BLOCK
     command, rate, ahead = state[st.STEER_COMMAND + j], model[p + mb.RATE], model[md.LOOP_AHEAD]
     period, dt = model[md.PERIOD], model[md.DT]
     if since == 0.0:
         moving = (command - state[at + st.MOTOR_LAST]) / period
-        state[at + st.MOTOR_LAST], state[at + st.MOTOR_MOVING] = command, min(rate, max(-rate, moving))
+        state[at + st.MOTOR_MOVING] = even_rate(moving, state[at + st.MOTOR_RATE], _SLEWS * rate)
+        state[at + st.MOTOR_LAST], state[at + st.MOTOR_RATE] = command, moving
     if model[p + mb.KIND] == mb.SERVO:
         return
     moving, old = ahead * state[at + st.MOTOR_MOVING], state[at + st.MOTOR_TARGET]
@@ -158,6 +155,14 @@ def steer_loop(model, state, n, j, since):  # type: ignore[no-untyped-def]
     volts = model[p + mb.KP] * (target - state[st.STEER + j]) - model[p + mb.KD] * state[at + st.MOTOR_SPEED]
     volts += moving * (model[p + mb.KD] + model[p + mb.AHEAD])
     state[at + st.MOTOR_DUTY] = min(1.0, max(-1.0, volts / model[p + mb.NOMINAL]))
+
+
+@leaf
+def even_rate(now, before, limit):  # type: ignore[no-untyped-def]
+    """The rate [rad/s] that two ticks have in common; 0 where one of them slews, for a slew ends without notice."""
+    if now * before <= 0.0 or max(abs(now), abs(before)) >= limit:
+        return 0.0
+    return now if abs(now) < abs(before) else before
 
 
 @leaf
@@ -250,28 +255,34 @@ def against(state, at, fx, fy, fw):  # type: ignore[no-untyped-def]
 
 
 @leaf
-def shafts(model, state, n, m, bus):  # type: ignore[no-untyped-def]
-    """All motors over one physics step; returns the body's mean twist (3), `base_link` axes."""
+def shafts(model, state, n, m):  # type: ignore[no-untyped-def]
+    """All motors over one physics step; returns the body's mean twist (3), `base_link` axes.
+
+    The battery sags by what the drivers drew in the sub-step before, and by what its own change of voltage makes of
+    that, so that a weak one does not swing. What braking gives back is burnt, not stored.
+    """
     count, dt, parts = n + m, model[md.DT], int(model[md.SUBSTEPS])
-    before = 0.0
     for k in range(count):
-        before += state[st.MOTOR + k * st.MOTOR_ROW + INPUT_J]
         state[st.MOTOR + k * st.MOTOR_ROW + st.MOTOR_TURNED] = 0.0
+    h, spent, bus, drawn = dt / parts, 0.0, state[st.VOLTAGE], state[st.BUS_CURRENT]
+    full = model[md.BATTERY_V] if state[st.CHARGE] < model[md.BATTERY_C] else 0.0
+    per_volt = conductance(model, state, count, h)
     for _ in range(parts):
-        substep(model, state, count, bus, dt / parts)
-    spent, x, y, w = -before, 0.0, 0.0, 0.0
+        bus = max(_LEAST_BUS * full, bus_voltage(full, model[md.BATTERY_R], drawn - per_volt * bus, per_volt))
+        taken = substep(model, state, count, bus, h)
+        spent += taken
+        drawn = max(0.0, taken) / (h * bus) if bus > 0.0 else 0.0
+    state[st.VOLTAGE], state[st.BUS_CURRENT] = bus, drawn
+    x = y = w = 0.0
     for k in range(count):
         at = st.MOTOR + k * st.MOTOR_ROW
         if model[int(model[md.MOTORS_AT]) + k * mb.BLOCK + mb.KIND] == mb.SERVO:
             state[at + st.MOTOR_TURNED] = state[at + st.MOTOR_SPEED] * dt
         g, mean = at + st.MOTOR_LEVER, state[at + st.MOTOR_TURNED] / dt
         x, y, w = x + state[g] * mean, y + state[g + 1] * mean, w + state[g + 2] * mean
-        spent += state[at + INPUT_J]
     state[st.CARRIED], state[st.CARRIED + 1], state[st.CARRIED + 2] = made(state, count)
     settle(model, state, n, m)
-    current = max(0.0, spent) / (dt * bus) if bus > 0.0 else 0.0
-    state[st.BUS_CURRENT] = current
-    state[st.CHARGE] += current * dt
+    state[st.CHARGE] += max(0.0, spent) / bus if bus > 0.0 else 0.0
     state[st.ENERGY] += max(0.0, spent)
     return x + w * model[md.COM_Y], y - w * model[md.COM_X], w
 
@@ -299,13 +310,17 @@ def settle(model, state, n, m):  # type: ignore[no-untyped-def]
 
 @leaf
 def substep(model, state, count, bus, h):  # type: ignore[no-untyped-def]
-    """Currents and speeds of all shafts over `h` [s]: torques first, then all accelerations together."""
-    x = y = w = 0.0
+    """Currents and speeds of all shafts over `h` [s]: torques first, then all accelerations together.
+
+    Returns the energy that the drivers took [J].
+    """
+    x = y = w = taken = 0.0
     for k in range(count):
         at, p = st.MOTOR + k * st.MOTOR_ROW, int(model[md.MOTORS_AT]) + k * mb.BLOCK
         kind = model[p + mb.KIND]
         if kind == mb.SERVO:
             continue
+        taken -= state[at + INPUT_J]
         middle = state[at + st.MOTOR_SPEED] + 0.5 * h * state[at + st.MOTOR_ACCEL]
         rotor, duty = middle * model[p + GEAR], state[at + st.MOTOR_DUTY]
         if kind == mb.SIX_STEP:
@@ -315,6 +330,7 @@ def substep(model, state, count, bus, h):  # type: ignore[no-untyped-def]
             torque = foc_substep(state, at, model, p, demand, bus, rotor, h)
         else:
             torque = averaged_substep(state, at, model, p, duty, bus, rotor, h)
+        taken += state[at + INPUT_J]
         drag = model[p + mb.VISCOUS]
         if model[p + mb.COULOMB] > 0.0:
             drag += dry_friction(model[p + mb.COULOMB], middle)
@@ -335,6 +351,7 @@ def substep(model, state, count, bus, h):  # type: ignore[no-untyped-def]
             state[at + st.MOTOR_SHAFT_J] += turned * state[at + st.MOTOR_READY]
             state[at + st.MOTOR_SPEED] += h * accel
             state[at + st.MOTOR_ACCEL] = accel
+    return taken
 
 
 @leaf
@@ -344,6 +361,8 @@ def tell(model, state, n, m):  # type: ignore[no-untyped-def]
     for k in range(n + m):
         at, p = st.MOTOR + k * st.MOTOR_ROW, int(model[md.MOTORS_AT]) + k * mb.BLOCK
         if model[p + mb.KIND] == mb.SERVO:
+            for i in range(st.MOTOR_CURRENT, st.MOTOR_OUTPUT_J + 1):
+                state[at + i] = math.nan
             continue
         for i in (CURRENT_A, CURRENT_B, CURRENT_C, HELD_D, HELD_Q, st.MOTOR_SPEED, st.MOTOR_ACCEL):
             if abs(state[at + i]) < _DEAD:

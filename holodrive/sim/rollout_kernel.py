@@ -24,7 +24,8 @@ from holodrive.sim.period import start as put_at
 TWIST, WHEELS, DUTY = 0, 1, 2  # kinds of command
 KINDS = {"twist": TWIST, "wheels": WHEELS, "duty": DUTY}
 
-# columns of a log; after them wheel commands (n), measured wheel speeds (n), duties (n), steering angles (m)
+# columns of a log; after them wheel commands (n), measured wheel speeds (n), duties (n), steering angles (m);
+# on the plant "motors" then current, torque, electrical and mechanical power of each drive and steering
 LOG_TIME, LOG_POSE, LOG_ESTIMATE, LOG_REFERENCE, LOG_TWIST, LOG_WHEELS = 0, 1, 4, 7, 10, 13
 
 
@@ -68,8 +69,14 @@ def write_log(model, state, obs, row):  # type: ignore[no-untyped-def]
         row[LOG_WHEELS + i] = state[st.COMMAND + i]
         row[LOG_WHEELS + n + i] = obs[layout.WHEEL_SPEED + i]
         row[LOG_WHEELS + 2 * n + i] = state[st.DUTY + i]
-    for j in range(int(model[md.M])):
+    m = int(model[md.M])
+    for j in range(m):
         row[LOG_WHEELS + 3 * n + j] = obs[layout.STEER + j]
+    first, each = LOG_WHEELS + 3 * n + m, 4
+    for k in range((row.shape[0] - first) // each):
+        at = st.MOTOR + k * st.MOTOR_ROW + st.MOTOR_CURRENT
+        for i in range(each):
+            row[first + each * k + i] = state[at + i]
 
 
 @leaf

@@ -53,7 +53,7 @@ CONTACT_ROW = 17
 SIZE = CONTACT + CONTACT_ROW * MAX_WHEELS
 
 # --- plant "motors" only, see there: numbers of the body, then a row for each drive motor and each steering ----------
-BUS_CURRENT = SIZE  # A that the drivers drew in the last physics step
+BUS_CURRENT = SIZE  # A that the drivers drew in the last sub-step
 CARRIED = BUS_CURRENT + 1  # 3: twist of the centre of mass at the end of that step, in its axes
 MASS = CARRIED + 3  # 6: what the body and all shafts do together in this step, upper triangle of a matrix
 MOTOR = SIZE + 16  # the rows: n drive motors, then m steerings
