@@ -20,7 +20,7 @@ from holodrive.kinematics import acceleration, caster, limits, solve
 from holodrive.kinematics.judge import WARN_CONDITION, Verdict, judge
 from holodrive.kinematics.polytope import Polytope
 from holodrive.kinematics.scalar import Scalar
-from holodrive.kinematics.settings import POWERED_CASTER
+from holodrive.kinematics.settings import POWERED, POWERED_CASTER
 from holodrive.kinematics.shapes import common_shape, numbers, read_only, short, twists, vectors, wheel_values
 from holodrive.kinematics.wheel import Wheel
 from holodrive.types import Array, WheelCommand
@@ -57,7 +57,7 @@ class Chassis:
         self.couplings = np.array([self.wheels[i].coupling for i in self.steered])
         self.castered = bool(np.any(self.casters != 0.0))
         powered = self.castered and bool(np.all(np.abs(self.casters) >= POWERED_CASTER))
-        self.trails = 2 if powered else int(self.castered or bool(np.any(self.couplings != 0.0)))
+        self.trails = POWERED if powered else int(self.castered or bool(np.any(self.couplings != 0.0)))
         self.jacobian = _clean(np.concatenate(blocks))
         self.row_scale = _row_scale(self.wheels)  # (rows,) brings mixed rows to one unit
         self.verdict: Verdict = judge(self.wheels, self.jacobian * self.row_scale[:, None])

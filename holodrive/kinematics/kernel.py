@@ -15,9 +15,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import njit
 
+from holodrive.kinematics import caster_motion
 from holodrive.kinematics.chassis import Chassis
 from holodrive.kinematics.settings import BAND as FLIP_BAND
-from holodrive.kinematics.settings import FLIP_SLACK, GOAL, HOLD_SPEED, SLOW_DOWN_ROUNDS, TIGHT
+from holodrive.kinematics.settings import (
+    CASTER_ROUNDS,
+    FLIP_SLACK,
+    GOAL,
+    HOLD_SPEED,
+    POWERED,
+    SLOW_DOWN_ROUNDS,
+    TIGHT,
+)
 from holodrive.types import Array
 
 if TYPE_CHECKING:
@@ -25,11 +34,16 @@ if TYPE_CHECKING:
 
 KinematicsArrays = Array  # the flat vector; its layout follows
 
+follow = njit(cache=True, error_model="numpy")(caster_motion.follow)
+lean = njit(cache=True, error_model="numpy")(caster_motion.lean)
+headroom = njit(cache=True, error_model="numpy")(caster_motion.headroom)
+time_of_turn = njit(cache=True, error_model="numpy")(caster_motion.time_of_turn)
+
 # header
 N_WHEELS, N_STEER, N_ROWS = 0, 1, 2
 SPEED, YAW_RATE, ACCEL, YAW_ACCEL = 3, 4, 5, 6  # m/s, rad/s, m/s^2, rad/s^2
 HOLD, BAND = 7, 8  # m/s, rad
-TRAILS = 9  # 0, or 1 with a caster or a coupling somewhere, or 2 where all modules are driven as powered casters
+TRAILS = 9  # 0, or 1 with a caster or a coupling somewhere, or POWERED where modules are driven as powered casters
 WHEELS = 10  # first wheel block
 # one block for each wheel
 STEER_INDEX = 0  # place in steering arrays, -1 for a fixed wheel
@@ -104,8 +118,12 @@ def command_step(kin: Array, twist: Array, dt: float, memory: Array, speeds_out:
         vx, vy = memory[0] + share * (vx - memory[0]), memory[1] + share * (vy - memory[1])
         omega = memory[2] + share * (omega - memory[2])
     factor = fit(kin, vx, vy, omega, dt, speeds_out, steer_out)
+    if kin[TRAILS] == POWERED:
+        factor = fit_casters(kin, vx, vy, omega, dt, factor, memory, speeds_out, steer_out)
+        drive_casters(kin, factor * omega, dt, memory, speeds_out, steer_out)
+    else:
+        factor *= drive_modules(kin, factor * vx, factor * vy, factor * omega, dt, memory, speeds_out, steer_out)
     remember(factor * vx, factor * vy, factor * omega, dt, memory)
-    drive_modules(kin, dt, memory, speeds_out, steer_out)
     if not valid:
         for i in range(int(kin[N_WHEELS])):
             speeds_out[i] = math.nan
@@ -235,9 +253,15 @@ def half_cotangent(half: float) -> float:
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def drive_modules(kin: Array, dt: float, memory: Array, first: Array, second: Array) -> None:
-    """Steered wheels from contact velocities (`first`, `second`) to speeds and angles, see `swerve.drive`."""
-    signs = STEER + int(kin[N_STEER])
+def drive_modules(
+    kin: Array, vx: float, vy: float, omega: float, dt: float, memory: Array, first: Array, second: Array
+) -> float:
+    """Steered wheels from contact velocities (`first`, `second`) to speeds and angles, see `swerve.drive`.
+
+    A short caster leans so that it does not slip sideways. Gives the factor by which all wheels were slowed down
+    where a drive that makes up for its coupling has no more left.
+    """
+    signs, share = STEER + int(kin[N_STEER]), 1.0
     flip_together = joint_flip(kin, memory, first, second)
     for i in range(int(kin[N_WHEELS])):
         b = WHEELS + BLOCK * i
@@ -255,11 +279,81 @@ def drive_modules(kin: Array, dt: float, memory: Array, first: Array, second: Ar
             speed = -speed
         memory[signs + j] = -1.0 if speed < 0.0 else 1.0
         reach = kin[b + STEER_RATE] * dt
-        if abs(turn) > reach:
+        if kin[b + CASTER] != 0.0:
+            goal = turn
+            turn -= memory[signs + j] * lean_of(kin, b, vx, vy, omega, dt, memory)
+            reach = min(reach, 0.5 * math.pi + kin[BAND])
+            turn = min(reach, max(-reach, turn))
+            speed *= math.cos(goal - turn)
+        elif abs(turn) > reach:
             step = reach if turn > 0.0 else -reach
             speed *= math.cos(turn - step)
             turn = step
         first[i], second[j], memory[STEER + j] = speed / kin[b + RADIUS], now + turn, now + turn
+        if kin[b + COUPLING] != 0.0:
+            share = min(share, headroom(first[i], kin[b + COUPLING] * turn / dt, kin[b + MAX_SPEED]))
+    if share < 1.0:
+        for i in range(int(kin[N_WHEELS])):
+            first[i] *= share
+    return share
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def lean_of(kin: Array, b: int, vx: float, vy: float, omega: float, dt: float, memory: Array) -> float:
+    """`caster_motion.lean` of the wheel whose block begins at `b`."""
+    at, w = b + ROWS, memory[LAST_TWIST + 2]
+    c, s = math.cos(w * dt), math.sin(w * dt)  # back into the axes of the tick before
+    x, y = c * memory[LAST_TWIST] - s * memory[LAST_TWIST + 1], s * memory[LAST_TWIST] + c * memory[LAST_TWIST + 1]
+    along, across = row(kin, at, vx, vy, omega), row(kin, at + 3, vx, vy, omega)
+    return float(lean(along, across, row(kin, at, x, y, w), row(kin, at + 3, x, y, w), omega, kin[b + CASTER], dt))
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def fit_casters(
+    kin: Array, vx: float, vy: float, omega: float, dt: float, factor: float, memory: Array, first: Array, second: Array
+) -> float:
+    """Factor at most `factor` at which no powered caster steers or drives faster than it can; writes the rows."""
+    share, rounds = caster_share(kin, factor * omega, dt, memory, first, second), 0
+    while share < 1.0 and rounds < CASTER_ROUNDS:
+        factor *= GOAL * share
+        discrete_rows(kin, vx, vy, omega, dt, factor, first, second)
+        share, rounds = caster_share(kin, factor * omega, dt, memory, first, second), rounds + 1
+    return factor
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def caster_share(kin: Array, omega: float, dt: float, memory: Array, first: Array, second: Array) -> float:
+    """Share at most 1 of the twist that lets every powered caster keep to its limits."""
+    share = 1.0
+    for i in range(int(kin[N_WHEELS])):
+        b = WHEELS + BLOCK * i
+        j = int(kin[b + STEER_INDEX])
+        if j >= 0:
+            c, s = math.cos(memory[STEER + j]), math.sin(memory[STEER + j])
+            along, across = c * first[i] + s * second[j], c * second[j] - s * first[i]
+            turn, way = follow(along, across, omega, kin[b + CASTER], dt)
+            reach = kin[b + STEER_RATE] * dt
+            if abs(turn) > reach:
+                share = min(share, time_of_turn(along, across, omega, kin[b + CASTER], turn, reach, dt) / dt)
+            drive = abs(way / kin[b + RADIUS] + kin[b + COUPLING] * turn) / dt
+            if drive > kin[b + MAX_SPEED]:
+                share = min(share, kin[b + MAX_SPEED] / drive)
+    return share
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def drive_casters(kin: Array, omega: float, dt: float, memory: Array, first: Array, second: Array) -> None:
+    """Powered casters from velocities of their axes (`first`, `second`) to speeds and angles."""
+    for i in range(int(kin[N_WHEELS])):
+        b = WHEELS + BLOCK * i
+        j = int(kin[b + STEER_INDEX])
+        if j >= 0:
+            now = memory[STEER + j]
+            c, s = math.cos(now), math.sin(now)
+            turn, way = follow(c * first[i] + s * second[j], c * second[j] - s * first[i], omega, kin[b + CASTER], dt)
+            memory[STEER + j] = second[j] = now + turn
+            memory[STEER + int(kin[N_STEER]) + j] = 1.0 if way > 0.0 else (-1.0 if way < 0.0 else 0.0)
+            first[i] = way / (kin[b + RADIUS] * dt)
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)

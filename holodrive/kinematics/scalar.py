@@ -48,7 +48,14 @@ class Scalar:
 
 def compile_functions(source: str, name: str, **names: Any) -> dict[str, Any]:
     """The functions that a source text defines; they see the maths functions and `names`."""
-    space: dict[str, Any] = {"sqrt": math.sqrt, "atan2": math.atan2, "cos": math.cos, "sin": math.sin, **names}
+    space: dict[str, Any] = {
+        "sqrt": math.sqrt,
+        "atan2": math.atan2,
+        "cos": math.cos,
+        "sin": math.sin,
+        "inf": math.inf,
+        **names,
+    }
     exec(compile(source, f"<{name}>", "exec"), space)
     return space
 

@@ -6,12 +6,15 @@ from math import sqrt, tan
 from typing import TYPE_CHECKING, Any
 
 from holodrive.errors import CommandError
+from holodrive.kinematics.caster_motion import headroom
+from holodrive.kinematics.caster_step import leans, powered
 from holodrive.kinematics.scalar import compile_functions, function, linear_maps, times
-from holodrive.kinematics.settings import BAND, FLIP_SLACK, GOAL, HOLD_SPEED, SLOW_DOWN_ROUNDS, TIGHT
+from holodrive.kinematics.settings import BAND, FLIP_SLACK, GOAL, HOLD_SPEED, POWERED, SLOW_DOWN_ROUNDS, TIGHT
 from holodrive.robots.spec import Limits
 
 if TYPE_CHECKING:
     from holodrive.kinematics.chassis import Chassis
+    from holodrive.kinematics.wheel import Wheel
 
 NOTHING, SPEED, YAW_RATE, ACCEL = -1, -2, -3, -4  # what binds, beside wheel numbers
 
@@ -34,7 +37,12 @@ def command_step(chassis: "Chassis", limits: Limits | None = None) -> Step:
         "slowing": _slowing(chassis),
         "joint": joint,
         "refuse_tick": refuse_tick,
+        "headroom": headroom,
     }
+    if chassis.trails == POWERED:
+        names["powered"] = powered(chassis)
+    elif chassis.castered:
+        names["leans"] = leans(chassis)
     return compile_functions(source(chassis, limits or Limits()), "command step", **names)["command_step"]  # type: ignore[no-any-return]
 
 
@@ -51,7 +59,8 @@ def source(chassis: "Chassis", limits: Limits) -> str:
     speeds = ", ".join(f"w{i}" for i in range(len(chassis.wheels)))
     accelerates = math.isfinite(limits.accel_m_s2) or math.isfinite(limits.yaw_accel_rad_s2)
     memory = ["lx", "ly", "lw", *angles, *signs]
-    last = ["c * vx + s * vy", "c * vy - s * vx", "omega"] if accelerates else ["vx", "vy", "omega"]
+    remembers = accelerates or chassis.castered
+    last = ["c * vx + s * vy", "c * vy - s * vx", "omega"] if remembers else ["vx", "vy", "omega"]
     lines = [
         f"{', '.join(memory)} = memory",
         "sum_ = vx + vy + omega + dt",
@@ -66,8 +75,8 @@ def source(chassis: "Chassis", limits: Limits) -> str:
         *_discrete_lines(),
         *_row_lines(chassis),
         *_fit_lines(chassis),
-        *(["turn = omega * dt", "c, s = cos(turn), sin(turn)"] if accelerates else []),
-        *_module_lines(chassis),
+        *(_powered_lines(chassis) if chassis.trails == POWERED else _module_lines(chassis)),
+        *(["turn = omega * dt", "c, s = cos(turn), sin(turn)"] if remembers else []),
         f"memory[:] = ({', '.join([*last, *angles, *signs])})",
         f"return ({speeds},), {_tuple(angles)}, vx, vy, omega, scale, binding, {'share' if accelerates else 1.0}",
     ]
@@ -268,13 +277,16 @@ def _module_lines(chassis: "Chassis") -> list[str]:
     ]
     for j, i in enumerate(chassis.steered):
         wheel = chassis.wheels[i]
-        lines += _one_module_lines(i, j, names[i], 1.0 / wheel.radius, wheel.steer_rate)
-    return lines
+        lines += _one_module_lines(i, j, names[i], wheel)
+    if chassis.castered:
+        lines.insert(0, f"{', '.join(f'l{j}' for j in count)}, = leans(vx, vy, omega, lx, ly, lw, dt)")
+    return lines + (_headroom_lines(chassis) if any(chassis.couplings) else [])
 
 
-def _one_module_lines(i: int, j: int, contact: tuple[str, str], per_radius: float, rate: float) -> list[str]:
+def _one_module_lines(i: int, j: int, contact: tuple[str, str], wheel: "Wheel") -> list[str]:
     """One module. A moving one (g = +-1) keeps its drive sign until the turn for it is beyond 90 deg + hysteresis."""
     along, across = contact
+    per_radius, rate = 1.0 / wheel.radius, wheel.steer_rate
     far = math.pi / 2 + BAND
     lines = [
         f"u = sqrt(q{i})",
@@ -293,6 +305,8 @@ def _one_module_lines(i: int, j: int, contact: tuple[str, str], per_radius: floa
         f"        if error > 0.0 if abs(error) > {BAND!r} else together:",
         f"            turn, g{j} = turn - ({math.pi!r} if turn > 0.0 else {-math.pi!r}), -1.0",
     ]
+    if wheel.caster or wheel.coupling:
+        return lines + _trailing_module_lines(i, j, wheel)
     if not math.isfinite(rate):
         return [*lines, f"    w{i} = u * g{j} * {per_radius!r}", f"    s{j} += turn"]
     return [
@@ -304,6 +318,63 @@ def _one_module_lines(i: int, j: int, contact: tuple[str, str], per_radius: floa
         "        turn = step",
         f"    w{i} = u * g{j} * {per_radius!r}",
         f"    s{j} += turn",
+    ]
+
+
+def _trailing_module_lines(i: int, j: int, wheel: "Wheel") -> list[str]:
+    """The rest of one module with a short caster, which leans, or with a coupling, whose turn `t` counts."""
+    far = math.pi / 2 + BAND
+    reach = f"min({far!r}, {wheel.steer_rate!r} * dt)" if math.isfinite(wheel.steer_rate) else repr(far)
+    return [
+        f"t{j} = 0.0",
+        f"if u >= {HOLD_SPEED!r}:",
+        "    goal = turn",
+        *([f"    turn -= g{j} * l{j}"] if wheel.caster else []),
+        f"    reach = {reach}",
+        "    turn = min(reach, max(-reach, turn))",
+        f"    w{i} = u * g{j} * cos(goal - turn) * {1.0 / wheel.radius!r}",
+        f"    s{j} += turn",
+        f"    t{j} = turn",
+    ]
+
+
+def _headroom_lines(chassis: "Chassis") -> list[str]:
+    """Slow all wheels down where a drive that makes up for its coupling has no more left."""
+    rooms = []
+    for j, i in enumerate(chassis.steered):
+        wheel = chassis.wheels[i]
+        if wheel.coupling:
+            rooms.append((i, f"headroom(w{i}, {wheel.coupling!r} * t{j} / dt, {_limit(wheel.max_speed)})"))
+    wheels = [f"w{i}" for i in range(len(chassis.wheels))]
+    return [
+        f"rooms = ({', '.join(text for _, text in rooms)},)",
+        "room = min(rooms)",
+        "if room < 1.0:",
+        f"    binding = {tuple(i for i, _ in rooms)!r}[rooms.index(room)]",
+        "    scale *= room",
+        "    vx *= room",
+        "    vy *= room",
+        "    omega *= room",
+        f"    {', '.join(wheels)} = {', '.join(f'{name} * room' for name in wheels)}",
+    ]
+
+
+def _limit(value: float) -> str:
+    return repr(value) if math.isfinite(value) else "inf"
+
+
+def _powered_lines(chassis: "Chassis") -> list[str]:
+    """All modules as powered casters: see `powered`."""
+    m, n = len(chassis.steered), len(chassis.wheels)
+    wheels, angles, signs = (", ".join(f"{name}{i}" for i in range(k)) for name, k in (("w", n), ("s", m), ("g", m)))
+    return [
+        f"factor, worst, ({wheels},), ({angles},), ({signs},) = powered(vx, vy, omega, dt, ({angles},))",
+        "if factor < 1.0:",
+        "    binding = worst",
+        "    scale *= factor",
+        "    vx *= factor",
+        "    vy *= factor",
+        "    omega *= factor",
     ]
 
 

@@ -9,4 +9,7 @@ BAND = HYSTERESIS + FLIP_SLACK
 TIGHT = 1e-9
 GOAL = 1.0 - TIGHT  # a saturated wheel runs at this share of its limit, to TIGHT
 SLOW_DOWN_ROUNDS = 6
+CASTER_ROUNDS = 8
+NEW_WAY = 0.2  # rad: a contact velocity that turns more in a tick does not go on turning so
+POWERED = 2  # what `Chassis.trails` is then
 POWERED_CASTER = 0.01  # m: modules that trail at least this far are driven as powered casters
