@@ -27,6 +27,7 @@ from holodrive.kinematics.settings import (
     SLOW_DOWN_ROUNDS,
     TIGHT,
 )
+from holodrive.leaf import leaf
 from holodrive.types import Array
 
 if TYPE_CHECKING:
@@ -118,11 +119,10 @@ def command_step(kin: Array, twist: Array, dt: float, memory: Array, speeds_out:
         vx, vy = memory[0] + share * (vx - memory[0]), memory[1] + share * (vy - memory[1])
         omega = memory[2] + share * (omega - memory[2])
     factor = fit(kin, vx, vy, omega, dt, speeds_out, steer_out)
-    if kin[TRAILS] == POWERED:
-        factor = fit_casters(kin, vx, vy, omega, dt, factor, memory, speeds_out, steer_out)
-        drive_casters(kin, factor * omega, dt, memory, speeds_out, steer_out)
+    if kin[TRAILS] == 0.0:
+        drive_modules(kin, dt, memory, speeds_out, steer_out)
     else:
-        factor *= drive_modules(kin, factor * vx, factor * vy, factor * omega, dt, memory, speeds_out, steer_out)
+        factor = drive_trailing(kin, vx, vy, omega, dt, factor, memory, speeds_out, steer_out)
     remember(factor * vx, factor * vy, factor * omega, dt, memory)
     if not valid:
         for i in range(int(kin[N_WHEELS])):
@@ -253,15 +253,9 @@ def half_cotangent(half: float) -> float:
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def drive_modules(
-    kin: Array, vx: float, vy: float, omega: float, dt: float, memory: Array, first: Array, second: Array
-) -> float:
-    """Steered wheels from contact velocities (`first`, `second`) to speeds and angles, see `swerve.drive`.
-
-    A short caster leans so that it does not slip sideways. Gives the factor by which all wheels were slowed down
-    where a drive that makes up for its coupling has no more left.
-    """
-    signs, share = STEER + int(kin[N_STEER]), 1.0
+def drive_modules(kin: Array, dt: float, memory: Array, first: Array, second: Array) -> None:
+    """Steered wheels from contact velocities (`first`, `second`) to speeds and angles, see `swerve.drive`."""
+    signs = STEER + int(kin[N_STEER])
     flip_together = joint_flip(kin, memory, first, second)
     for i in range(int(kin[N_WHEELS])):
         b = WHEELS + BLOCK * i
@@ -279,81 +273,11 @@ def drive_modules(
             speed = -speed
         memory[signs + j] = -1.0 if speed < 0.0 else 1.0
         reach = kin[b + STEER_RATE] * dt
-        if kin[b + CASTER] != 0.0:
-            goal = turn
-            turn -= memory[signs + j] * lean_of(kin, b, vx, vy, omega, dt, memory)
-            reach = min(reach, 0.5 * math.pi + kin[BAND])
-            turn = min(reach, max(-reach, turn))
-            speed *= math.cos(goal - turn)
-        elif abs(turn) > reach:
+        if abs(turn) > reach:
             step = reach if turn > 0.0 else -reach
             speed *= math.cos(turn - step)
             turn = step
         first[i], second[j], memory[STEER + j] = speed / kin[b + RADIUS], now + turn, now + turn
-        if kin[b + COUPLING] != 0.0:
-            share = min(share, headroom(first[i], kin[b + COUPLING] * turn / dt, kin[b + MAX_SPEED]))
-    if share < 1.0:
-        for i in range(int(kin[N_WHEELS])):
-            first[i] *= share
-    return share
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def lean_of(kin: Array, b: int, vx: float, vy: float, omega: float, dt: float, memory: Array) -> float:
-    """`caster_motion.lean` of the wheel whose block begins at `b`."""
-    at, w = b + ROWS, memory[LAST_TWIST + 2]
-    c, s = math.cos(w * dt), math.sin(w * dt)  # back into the axes of the tick before
-    x, y = c * memory[LAST_TWIST] - s * memory[LAST_TWIST + 1], s * memory[LAST_TWIST] + c * memory[LAST_TWIST + 1]
-    along, across = row(kin, at, vx, vy, omega), row(kin, at + 3, vx, vy, omega)
-    return float(lean(along, across, row(kin, at, x, y, w), row(kin, at + 3, x, y, w), omega, kin[b + CASTER], dt))
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def fit_casters(
-    kin: Array, vx: float, vy: float, omega: float, dt: float, factor: float, memory: Array, first: Array, second: Array
-) -> float:
-    """Factor at most `factor` at which no powered caster steers or drives faster than it can; writes the rows."""
-    share, rounds = caster_share(kin, factor * omega, dt, memory, first, second), 0
-    while share < 1.0 and rounds < CASTER_ROUNDS:
-        factor *= GOAL * share
-        discrete_rows(kin, vx, vy, omega, dt, factor, first, second)
-        share, rounds = caster_share(kin, factor * omega, dt, memory, first, second), rounds + 1
-    return factor
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def caster_share(kin: Array, omega: float, dt: float, memory: Array, first: Array, second: Array) -> float:
-    """Share at most 1 of the twist that lets every powered caster keep to its limits."""
-    share = 1.0
-    for i in range(int(kin[N_WHEELS])):
-        b = WHEELS + BLOCK * i
-        j = int(kin[b + STEER_INDEX])
-        if j >= 0:
-            c, s = math.cos(memory[STEER + j]), math.sin(memory[STEER + j])
-            along, across = c * first[i] + s * second[j], c * second[j] - s * first[i]
-            turn, way = follow(along, across, omega, kin[b + CASTER], dt)
-            reach = kin[b + STEER_RATE] * dt
-            if abs(turn) > reach:
-                share = min(share, time_of_turn(along, across, omega, kin[b + CASTER], turn, reach, dt) / dt)
-            drive = abs(way / kin[b + RADIUS] + kin[b + COUPLING] * turn) / dt
-            if drive > kin[b + MAX_SPEED]:
-                share = min(share, kin[b + MAX_SPEED] / drive)
-    return share
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def drive_casters(kin: Array, omega: float, dt: float, memory: Array, first: Array, second: Array) -> None:
-    """Powered casters from velocities of their axes (`first`, `second`) to speeds and angles."""
-    for i in range(int(kin[N_WHEELS])):
-        b = WHEELS + BLOCK * i
-        j = int(kin[b + STEER_INDEX])
-        if j >= 0:
-            now = memory[STEER + j]
-            c, s = math.cos(now), math.sin(now)
-            turn, way = follow(c * first[i] + s * second[j], c * second[j] - s * first[i], omega, kin[b + CASTER], dt)
-            memory[STEER + j] = second[j] = now + turn
-            memory[STEER + int(kin[N_STEER]) + j] = 1.0 if way > 0.0 else (-1.0 if way < 0.0 else 0.0)
-            first[i] = way / (kin[b + RADIUS] * dt)
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -450,3 +374,112 @@ def slip(kin: Array, speeds: Array, steer: Array, vx: float, vy: float, omega: f
             across = row(kin, b + ROWS + 3, vx, vy, omega)
             total += (rim * math.cos(steer[j]) - along) ** 2 + (rim * math.sin(steer[j]) - across) ** 2
     return math.sqrt(total / kin[N_ROWS])
+
+
+@leaf
+def drive_trailing(kin, vx, vy, omega, dt, factor, memory, first, second):  # type: ignore[no-untyped-def]
+    """Modules with casters or couplings, after `fit` has given `factor`; gives what is left of it."""
+    if kin[TRAILS] == POWERED:
+        factor = fit_casters(kin, vx, vy, omega, dt, factor, memory, first, second)
+        drive_casters(kin, factor * omega, dt, memory, first, second)
+        return factor
+    return factor * drive_leaning(kin, factor * vx, factor * vy, factor * omega, dt, memory, first, second)
+
+
+@leaf
+def drive_leaning(kin, vx, vy, omega, dt, memory, first, second):  # type: ignore[no-untyped-def]
+    """`drive_modules` with short casters, which lean against side slip, and with couplings.
+
+    Gives the factor by which all wheels were slowed down where a drive that makes up for its coupling has no more left.
+    """
+    signs, share = STEER + int(kin[N_STEER]), 1.0
+    flip_together = joint_flip(kin, memory, first, second)
+    for i in range(int(kin[N_WHEELS])):
+        b = WHEELS + BLOCK * i
+        j = int(kin[b + STEER_INDEX])
+        if j < 0:
+            continue
+        now, along, across = memory[STEER + j], first[i], second[j]
+        speed = math.sqrt(along * along + across * across)
+        turn = wrap(math.atan2(across, along) - now)
+        if speed < kin[HOLD]:
+            first[i], second[j], memory[signs + j] = speed * math.cos(turn) / kin[b + RADIUS], now, 0.0
+            continue
+        if flips(turn, memory[signs + j], flip_together, kin[BAND]):
+            turn += -math.pi if turn > 0.0 else math.pi
+            speed = -speed
+        memory[signs + j] = -1.0 if speed < 0.0 else 1.0
+        reach = kin[b + STEER_RATE] * dt
+        if kin[b + CASTER] != 0.0:
+            goal = turn
+            turn -= memory[signs + j] * lean_of(kin, b, vx, vy, omega, dt, memory)
+            reach = min(reach, 0.5 * math.pi + kin[BAND])
+            turn = min(reach, max(-reach, turn))
+            speed *= math.cos(goal - turn)
+        elif abs(turn) > reach:
+            step = reach if turn > 0.0 else -reach
+            speed *= math.cos(turn - step)
+            turn = step
+        first[i], second[j], memory[STEER + j] = speed / kin[b + RADIUS], now + turn, now + turn
+        if kin[b + COUPLING] != 0.0:
+            share = min(share, headroom(first[i], kin[b + COUPLING] * turn / dt, kin[b + MAX_SPEED]))
+    if share < 1.0:
+        for i in range(int(kin[N_WHEELS])):
+            first[i] *= share
+    return share
+
+
+@leaf
+def lean_of(kin, b, vx, vy, omega, dt, memory):  # type: ignore[no-untyped-def]
+    """`caster_motion.lean` of the wheel whose block begins at `b`."""
+    at, w = b + ROWS, memory[LAST_TWIST + 2]
+    c, s = math.cos(w * dt), math.sin(w * dt)  # back into the axes of the tick before
+    x, y = c * memory[LAST_TWIST] - s * memory[LAST_TWIST + 1], s * memory[LAST_TWIST] + c * memory[LAST_TWIST + 1]
+    along, across = row(kin, at, vx, vy, omega), row(kin, at + 3, vx, vy, omega)
+    return float(lean(along, across, row(kin, at, x, y, w), row(kin, at + 3, x, y, w), omega, kin[b + CASTER], dt))
+
+
+@leaf
+def fit_casters(kin, vx, vy, omega, dt, factor, memory, first, second):  # type: ignore[no-untyped-def]
+    """Factor at most `factor` at which no powered caster steers or drives faster than it can; writes the rows."""
+    share, rounds = caster_share(kin, factor * omega, dt, memory, first, second), 0
+    while share < 1.0 and rounds < CASTER_ROUNDS:
+        factor *= GOAL * share
+        discrete_rows(kin, vx, vy, omega, dt, factor, first, second)
+        share, rounds = caster_share(kin, factor * omega, dt, memory, first, second), rounds + 1
+    return factor
+
+
+@leaf
+def caster_share(kin, omega, dt, memory, first, second):  # type: ignore[no-untyped-def]
+    """Share at most 1 of the twist that lets every powered caster keep to its limits."""
+    share = 1.0
+    for i in range(int(kin[N_WHEELS])):
+        b = WHEELS + BLOCK * i
+        j = int(kin[b + STEER_INDEX])
+        if j >= 0:
+            c, s = math.cos(memory[STEER + j]), math.sin(memory[STEER + j])
+            along, across = c * first[i] + s * second[j], c * second[j] - s * first[i]
+            turn, way = follow(along, across, omega, kin[b + CASTER], dt)
+            reach = kin[b + STEER_RATE] * dt
+            if abs(turn) > reach:
+                share = min(share, time_of_turn(along, across, omega, kin[b + CASTER], turn, reach, dt) / dt)
+            drive = abs(way / kin[b + RADIUS] + kin[b + COUPLING] * turn) / dt
+            if drive > kin[b + MAX_SPEED]:
+                share = min(share, kin[b + MAX_SPEED] / drive)
+    return share
+
+
+@leaf
+def drive_casters(kin, omega, dt, memory, first, second):  # type: ignore[no-untyped-def]
+    """Powered casters from velocities of their axes (`first`, `second`) to speeds and angles."""
+    for i in range(int(kin[N_WHEELS])):
+        b = WHEELS + BLOCK * i
+        j = int(kin[b + STEER_INDEX])
+        if j >= 0:
+            now = memory[STEER + j]
+            c, s = math.cos(now), math.sin(now)
+            turn, way = follow(c * first[i] + s * second[j], c * second[j] - s * first[i], omega, kin[b + CASTER], dt)
+            memory[STEER + j] = second[j] = now + turn
+            memory[STEER + int(kin[N_STEER]) + j] = 1.0 if way > 0.0 else (-1.0 if way < 0.0 else 0.0)
+            first[i] = way / (kin[b + RADIUS] * dt)
