@@ -20,7 +20,7 @@ def chassis_svg(robot: "Robot | Chassis", width: float = 480.0) -> str:
     """The base from above, x up and y left: wheels with names, rolling directions (green), roller axes (orange)."""
     chassis = robot if isinstance(robot, Chassis) else Chassis.of(robot)
     title = "chassis" if isinstance(robot, Chassis) else (robot.title or robot.name)
-    reach = max(math.hypot(wheel.x, wheel.y) + 2.2 * wheel.radius for wheel in chassis.wheels)
+    reach = max(math.hypot(wheel.x, wheel.y) + 2.2 * wheel.radius + abs(wheel.caster) for wheel in chassis.wheels)
     footprint = 0.0 if isinstance(robot, Chassis) else robot.footprint_radius_m
     reach = 1.08 * max(reach, footprint)
     canvas = _Canvas(width, reach)
@@ -112,7 +112,14 @@ def _wheel(wheel: Wheel, wide: float, canvas: _Canvas) -> str:
     px, py = canvas.at(wheel.x, wheel.y)
     long, short = 2.0 * wheel.radius * canvas.scale, max(wide * canvas.scale, 3.0)
     tyre = svg.element(
-        "rect", x=-short / 2, y=-long / 2, width=short, height=long, rx=short / 5, fill=_WHEEL, fill_opacity="0.85"
+        "rect",
+        x=-short / 2,
+        y=wheel.caster * canvas.scale - long / 2,
+        width=short,
+        height=long,
+        rx=short / 5,
+        fill=_WHEEL,
+        fill_opacity="0.85",
     )
     turned = svg.element("g", tyre, transform=f"translate({px:.2f} {py:.2f}) rotate({-math.degrees(wheel.yaw):.3f})")
     parts = [turned]
@@ -120,7 +127,12 @@ def _wheel(wheel: Wheel, wide: float, canvas: _Canvas) -> str:
     if wheel.steered:
         parts.append(
             canvas.circle(
-                *here, 1.25 * wheel.radius, fill="none", stroke=_AXIS, stroke_width=1.5, stroke_dasharray="5 3"
+                *here,
+                1.25 * wheel.radius + abs(wheel.caster),
+                fill="none",
+                stroke=_AXIS,
+                stroke_width=1.5,
+                stroke_dasharray="5 3",
             )
         )
     else:

@@ -12,6 +12,7 @@ from holodrive.geometry import compose
 from holodrive.log.drawing import Trace
 from holodrive.log.shapes import contact, mover_place
 from holodrive.log.view import View, scale_bar_length
+from holodrive.robots.checks import trail
 from holodrive.robots.drawing import hatches
 from holodrive.robots.spec import Robot
 from holodrive.types import Array, Event, Pose
@@ -152,8 +153,8 @@ def robot(canvas: Canvas, described: Robot, pose: Array, steer: Array) -> None:
     angles = dict(zip(described.steered, np.nan_to_num(steer), strict=False))
     for i, wheel in enumerate(described.wheels):
         frame = Pose(wheel.x, wheel.y, wheel.yaw + float(angles.get(i, 0.0)))
-        r, h = wheel.radius, 0.5 * wheel.width
-        canvas.polygon(placed([(r, h), (-r, h), (-r, -h), (r, -h)], frame), WALL, INK)
+        r, h, c = wheel.radius, 0.5 * wheel.width, trail(wheel)
+        canvas.polygon(placed([(r - c, h), (-r - c, h), (-r - c, -h), (r - c, -h)], frame), WALL, INK)
         if wheel.kind != "swerve" and wheel.width * canvas.view.scale > 4.0:
             for stripe in hatches(wheel):
                 canvas.line(placed(stripe, frame), WHITE, 0.6)

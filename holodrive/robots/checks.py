@@ -96,8 +96,12 @@ def _reach(wheel: WheelSpec) -> float:
 
 def turning_radius(wheel: WheelSpec) -> float:
     """Radius of the circle that a wheel sweeps when it is steered all round [m]."""
-    caster = wheel.steering.caster_m if wheel.steering else 0.0
-    return math.hypot(wheel.radius + abs(caster), 0.5 * wheel.width)
+    return math.hypot(wheel.radius + abs(trail(wheel)), 0.5 * wheel.width)
+
+
+def trail(wheel: WheelSpec) -> float:
+    """How far a wheel trails behind its steering axis [m]; 0 for one that does not, or is not steered."""
+    return wheel.steering.caster_m if wheel.steering else 0.0
 
 
 def corners(wheel: WheelSpec) -> list[tuple[float, float]]:

@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 
 from holodrive import svg
-from holodrive.robots.checks import turning_radius
+from holodrive.robots.checks import trail, turning_radius
 from holodrive.robots.spec import Robot, WheelSpec
 from holodrive.types import Pose
 
@@ -75,8 +75,8 @@ class _Frame:
 
 def _wheel(frame: _Frame, wheel: WheelSpec, steer: float) -> list[str]:
     turn = wheel.yaw + (steer if wheel.kind == "swerve" else 0.0)
-    u, v = wheel.radius, 0.5 * wheel.width
-    shape = svg.points(frame.point(*_on(wheel, turn, a, b)) for a, b in ((u, v), (-u, v), (-u, -v), (u, -v)))
+    u, v, back = wheel.radius, 0.5 * wheel.width, trail(wheel)
+    shape = svg.points(frame.point(*_on(wheel, turn, a - back, b)) for a, b in ((u, v), (-u, v), (-u, -v), (u, -v)))
     parts = []
     if wheel.kind == "swerve":
         x, y = frame.point(wheel.x, wheel.y)
@@ -86,7 +86,11 @@ def _wheel(frame: _Frame, wheel: WheelSpec, steer: float) -> list[str]:
     if wheel.kind != "swerve":
         parts += [_line(frame, _on(wheel, turn, *a), _on(wheel, turn, *b), ROLLER, 1.0) for a, b in hatches(wheel)]
     tip = _on(wheel, turn, 1.25 * u, 0.0)
-    return [*parts, _line(frame, (wheel.x, wheel.y), tip, INK, 1.5), _arrow_head(frame, tip, turn, 0.3 * u)]
+    if back:  # the steering axis, which the wheel trails behind
+        x, y = frame.point(wheel.x, wheel.y)
+        parts.append(svg.element("circle", cx=x, cy=y, r=0.15 * u * frame.scale, fill=INK))
+    start = _on(wheel, turn, -back, 0.0)
+    return [*parts, _line(frame, start, tip, INK, 1.5), _arrow_head(frame, tip, turn, 0.3 * u)]
 
 
 def hatches(wheel: WheelSpec) -> list[tuple[tuple[float, float], tuple[float, float]]]:

@@ -1,8 +1,11 @@
 """Robots as pictures: well-formed SVG, every wheel with its name, rollers at their angle."""
 
 import math
+import re
+from dataclasses import replace
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 
 from holodrive import robots
@@ -37,6 +40,21 @@ def test_a_robot_is_drawn_where_it_stands():
     shapes = ElementTree.fromstring(robot_shapes(robots.load("omni3"), pose=Pose(2.0, -1.0, 0.5), names=False))
     circle = next(node for node in shapes if node.tag == "circle")
     assert (float(circle.get("cx")), float(circle.get("cy"))) == (200.0, 100.0)
+
+
+def test_a_caster_is_drawn_behind_its_axis_at_any_steering_angle():
+    robot = robots.load("swerve3")
+    trailing = replace(
+        robot, wheels=tuple(replace(w, steering=replace(w.steering, caster_m=0.04)) for w in robot.wheels)
+    )
+
+    def tyres(base, steer):
+        found = re.findall(r'<polygon points="([^"]+)" fill="#dde6ee"', robot_shapes(base, scale=1000.0, steer=steer))
+        return np.array([np.mean([[float(v) for v in p.split(",")] for p in t.split()], axis=0) for t in found])
+
+    steer = (0.0, 1.0, -2.0)
+    moved = tyres(trailing, steer) - tyres(robot, steer)
+    np.testing.assert_allclose(moved, [[-40.0 * math.cos(a), 40.0 * math.sin(a)] for a in steer], atol=0.1)
 
 
 def test_names_cannot_break_the_picture():
