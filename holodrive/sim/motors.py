@@ -43,6 +43,7 @@ from holodrive.leaf import leaf
 from holodrive.sim import model as md
 from holodrive.sim import motor_blocks as mb
 from holodrive.sim import state as st
+from holodrive.sim.caster import lever, trail
 from holodrive.sim.contact import keep_outside
 from holodrive.sim.first_order import servo_step, twist_of_wheels, with_wheel
 from holodrive.sim.turn import turn_factors
@@ -106,8 +107,10 @@ def drive_loop(model, state, n, i):  # type: ignore[no-untyped-def]
     """Duty of one drive; by feed-forward alone where the wheel's speed is not measured."""
     at, p, w = st.MOTOR + i * st.MOTOR_ROW, int(model[md.MOTORS_AT]) + i * mb.BLOCK, md.WHEELS + i * md.BLOCK
     command, unit, j = state[st.COMMAND + i], model[w + md.PER_NO_LOAD], int(model[w + md.STEERED])
+    if j >= 0 and state[st.DIRECT] == 0.0:  # the steering turns the wheel against its drive, which makes up for it
+        command += model[p + mb.COUPLING] * state[st.MOTOR + (n + j) * st.MOTOR_ROW + st.MOTOR_SPEED]
     measured = state[at + st.MOTOR_MEASURED]
-    measured += model[md.LOOP_SHARE] * (state[st.WHEEL_SPEED + i] - measured)
+    measured += model[md.LOOP_SHARE] * (state[at + st.MOTOR_SPEED] - measured)
     state[at + st.MOTOR_MEASURED] = measured
     if state[st.DIRECT] != 0.0:
         duty, state[at + st.MOTOR_INTEGRAL] = command, 0.0
@@ -124,9 +127,6 @@ def drive_loop(model, state, n, i):  # type: ignore[no-untyped-def]
             model[md.DT],
             model[md.LOOP_AHEAD],
         )
-    if j >= 0 and model[p + mb.COUPLING] != 0.0 and state[st.DIRECT] == 0.0:
-        # the steering turns the wheel against its drive: the board adds the drive speed that makes up for it
-        duty += model[p + mb.COUPLING] * state[st.MOTOR + (n + j) * st.MOTOR_ROW + st.MOTOR_SPEED] * unit
     duty = min(1.0, max(-1.0, duty))
     state[at + st.MOTOR_DUTY] = state[st.DUTY + i] = duty
 
@@ -181,17 +181,32 @@ def levers(model, state, n, m):  # type: ignore[no-untyped-def]
             state[at + st.MOTOR_SPEED] = (state[st.STEER + j] - old) / dt
         state[st.STEER + j] = old + 0.5 * dt * state[at + st.MOTOR_SPEED]
     for i in range(n):
-        drive, w = st.MOTOR + i * st.MOTOR_ROW + st.MOTOR_LEVER, md.WHEELS + i * md.BLOCK
-        gx, gy, gw = with_wheel(model, state, w, 1.0, 0.0, 0.0, 0.0)
-        gx, gy = gx - gw * model[md.COM_Y], gy + gw * model[md.COM_X]
-        state[drive], state[drive + 1], state[drive + 2] = gx, gy, gw
-        j = int(model[w + md.STEERED])
-        if j >= 0:
-            steering = st.MOTOR + (n + j) * st.MOTOR_ROW + st.MOTOR_LEVER
-            back = -model[int(model[md.MOTORS_AT]) + i * mb.BLOCK + mb.COUPLING]
-            state[steering], state[steering + 1], state[steering + 2] = back * gx, back * gy, back * gw
+        lever_of_wheel(model, state, n, i)
     join(model, state, n + m)
     carry(model, state, n + m)
+
+
+@leaf
+def lever_of_wheel(model, state, n, i):  # type: ignore[no-untyped-def]
+    """What the drive of wheel i, and its steering, make of the body's motion: by caster and by coupling."""
+    w, place = md.WHEELS + i * md.BLOCK, st.MOTOR + i * st.MOTOR_ROW + st.MOTOR_LEVER
+    j, trails = int(model[w + md.STEERED]), model[md.CASTER_AT] > 0.0
+    if trails:
+        gx, gy, gw = lever(model, state, i, model[w + md.RADIUS] if j >= 0 else 1.0, 0.0)
+    else:
+        gx, gy, gw = with_wheel(model, state, w, 1.0, 0.0, 0.0, 0.0)
+    write_lever(model, state, place, gx, gy, gw)
+    if trails and j >= 0:
+        back = model[int(model[md.MOTORS_AT]) + i * mb.BLOCK + mb.COUPLING]
+        sx, sy, sw = lever(model, state, i, 0.0, trail(model, i))
+        place = st.MOTOR + (n + j) * st.MOTOR_ROW + st.MOTOR_LEVER
+        write_lever(model, state, place, sx - back * gx, sy - back * gy, sw - back * gw)
+
+
+@leaf
+def write_lever(model, state, place, x, y, w):  # type: ignore[no-untyped-def]
+    """A shaft's twist of `base_link` as that of the centre of mass."""
+    state[place], state[place + 1], state[place + 2] = x - w * model[md.COM_Y], y + w * model[md.COM_X], w
 
 
 @leaf
@@ -293,6 +308,8 @@ def settle(model, state, n, m):  # type: ignore[no-untyped-def]
     for j in range(m):
         at = st.MOTOR + (n + j) * st.MOTOR_ROW
         state[st.STEER + j] = state[at + st.MOTOR_FROM] + state[at + st.MOTOR_TURNED]
+        if model[md.CASTER_AT] > 0.0:
+            state[st.STEER_RATE + j] = state[at + st.MOTOR_SPEED]
     for i in range(n):
         at, p = st.MOTOR + i * st.MOTOR_ROW, int(model[md.MOTORS_AT]) + i * mb.BLOCK
         speed, turned, j = (

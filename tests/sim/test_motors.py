@@ -12,6 +12,8 @@ from holodrive.actuators.machine import simulate
 from holodrive.control.go_to_pose import GoToPose
 from holodrive.control.kernel import KernelController
 from holodrive.errors import InputError
+from holodrive.geometry import compose, exp
+from holodrive.kinematics import Chassis
 from holodrive.kinematics.pipeline import CommandPipeline
 from holodrive.robots.spec import Battery, Motor, SpeedLoop, Steering
 from holodrive.sim import SimBase, rollout
@@ -319,3 +321,32 @@ def test_every_catalog_robot_runs_on_it(name):
         base.apply(WheelCommand((0.2 * robot.wheels[0].max_speed_rad_s,) * n, (0.0,) * m))
     assert np.all(np.isfinite(base.true_wheel_speeds))
     assert base.energy_j > 0.0
+
+
+@pytest.mark.parametrize("caster", [0.03, -0.02])
+def test_with_casters_the_body_moves_as_wheels_and_steering_rates_say(caster):
+    """Against the kinematics of the chassis, with a coupling, while modules turn and wheels roll."""
+    robot = with_steering(machine(control_period_s=1e-3), caster_m=caster, coupling=0.4)
+    base, chassis, pose = SimBase(robot, plant="motors"), Chassis.of(robot), np.zeros(3)
+    for k in range(400):
+        angles = base._state[rows.STEER : rows.STEER + 3].copy()
+        turned = base._state[rows.WHEEL_ANGLE : rows.WHEEL_ANGLE + 3].copy()
+        base.apply(WheelCommand((6.0, 7.0, 8.0), (0.002 * k, -0.001 * k, 0.3)))
+        now = base._state[rows.STEER : rows.STEER + 3]
+        speeds = (base._state[rows.WHEEL_ANGLE : rows.WHEEL_ANGLE + 3] - turned) / 1e-3
+        twist = chassis.forward(speeds, 0.5 * (angles + now), (now - angles) / 1e-3)
+        pose = compose(pose, exp(twist * 1e-3))
+    np.testing.assert_allclose(base.truth, pose, atol=2e-5)
+    assert math.hypot(*base.truth[:2]) > 0.1
+
+
+def test_a_body_that_casters_carry_is_felt_by_the_steering():
+    """Steering motors that move the body by their casters turn slower than those that do not."""
+    robot = machine()
+    light, heavy = (
+        driven(with_steering(replace(robot, mass_kg=60.0), caster_m=c), (0.0, 0.0, 0.0), 0.01)[2] for c in (0.0, 0.05)
+    )
+    for base in (light, heavy):
+        for _ in range(4):
+            base.apply(WheelCommand((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)))
+    assert heavy._state[rows.STEER] < 0.9 * light._state[rows.STEER]
