@@ -16,6 +16,7 @@ from holodrive.worlds.spec import World
 
 # name -> "module:class" of a frozen parameter class (interfaces.ControllerPlug or PlainPlug)
 CONTROLLERS: dict[str, str] = {
+    "feed_forward": "holodrive.control.feed_forward:FeedForward",
     "fuzzy": "holodrive.control.fuzzy_avoidance:FuzzyAvoidance",
     "fuzzy_mpc": "holodrive.control.fuzzy_mpc:FuzzyMpc",
     "fuzzy_pd": "holodrive.control.fuzzy_pd:FuzzyPd",

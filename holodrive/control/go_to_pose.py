@@ -17,7 +17,7 @@ from holodrive.types import Array
 _K_XY, _K_THETA, _SCREW, _ARRIVE_M, _ARRIVE_RAD, _FEED, _V_MAX, _W_MAX, _BRAKE, _YAW_BRAKE = range(10)
 # where to look for good values (`holodrive tune`) [1/s]
 BOUNDS = {"k_xy": (0.2, 10.0, "log"), "k_theta": (0.2, 10.0, "log")}
-_BRAKING_SHARE = 0.6  # of the acceleration limit: what the lag of wheels and steering leaves
+BRAKING_SHARE = 0.6  # of the acceleration limit: what the lag of wheels and steering leaves
 
 
 @njit(cache=True)
@@ -101,7 +101,7 @@ class GoToPose:
                 self.feed_forward,
                 min(self.max_speed_m_s, robot.limits.speed_m_s),
                 min(self.max_yaw_rate_rad_s, robot.limits.yaw_rate_rad_s),
-                _BRAKING_SHARE * robot.limits.accel_m_s2,
-                _BRAKING_SHARE * robot.limits.yaw_accel_rad_s2,
+                BRAKING_SHARE * robot.limits.accel_m_s2,
+                BRAKING_SHARE * robot.limits.yaw_accel_rad_s2,
             ]
         )
