@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 # name -> "module:class" of a frozen parameter class (interfaces.Plug)
 ESTIMATORS: dict[str, str] = {
+    "ekf": "holodrive.estimation.ekf:Ekf",
     "wheel_odometry": "holodrive.estimation.wheel_odometry:WheelOdometry",
 }
 # Numba and all that needs it is imported when it is first asked for
