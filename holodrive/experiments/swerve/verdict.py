@@ -23,7 +23,7 @@ def verdict(setting: Setting) -> Result:
         Claim("conclusion", "BLDC is more stable in steering", "yes", "yes with 2.7 H, no with 2.7 mH", "differs",
               note=f"there and back: BLDC {bldc.swing_deg:.1f}°, DC {henry.swing_deg:.0f}° with 2.7 H and "
               f"{milli.swing_deg:.1f}° with 2.7 mH. It hangs on the inductance that was put in: L/R = "
-              f"{1e3 * 2.7 / 0.4:.0f} ms or {2.7 / 0.4:.2f} ms; brushes have no part in it"),
+              f"{_lags()}; brushes have no part in it"),
         Claim("conclusion", "settings that are fast and steady: BLDC, DC 2.7 mH, DC 2.7 H", None,
               ", ".join(f"{len(one.steady)}" for one in counts) + f" of {counts[0].tried}", "not printed"),
         Claim("conclusion", "BLDC is faster than DC", "yes", "no", "contradicts itself",
@@ -43,6 +43,10 @@ def verdict(setting: Setting) -> Result:
         _foc(),
     )  # fmt: skip
     return Result(claims, (TextSection("Verdict", _TEXT),))
+
+
+def _lags() -> str:
+    return " or ".join(f"{1e3 * value / printed.DC_MOTOR['Ra']:.4g} ms" for value in printed.DC_INDUCTANCE_H)
 
 
 _TEXT = (
