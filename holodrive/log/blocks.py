@@ -49,9 +49,10 @@ DESCRIPTION = ChannelSpec(13, "/holodrive/description", schemas.STRING)
 METRICS = ChannelSpec(14, "/holodrive/metrics", schemas.STRING)
 IMU = ChannelSpec(15, "/imu", schemas.IMU)
 MICE = ChannelSpec(16, "/mice", schemas.MICE)
+MOTORS = ChannelSpec(17, "/motors", schemas.MOTORS)
 CHANNELS = (
     *(TICK, ODOMETRY, TRUTH, COMMAND, JOINTS, JOINT_COMMANDS, REFERENCE, TRANSFORMS, TRANSFORMS_STATIC),
-    *(LASER_SCAN, SCAN, EVENT, DESCRIPTION, METRICS, IMU, MICE),
+    *(LASER_SCAN, SCAN, EVENT, DESCRIPTION, METRICS, IMU, MICE, MOTORS),
 )
 
 
@@ -92,12 +93,13 @@ class Block:
 
 
 class BlockKind(NamedTuple):
-    """Which messages a tick has: the true pose, a decided twist, an IMU's reading, those of mice."""
+    """Which messages a tick has: the true pose, a decided twist, an IMU's reading, those of mice, of motors."""
 
     truth: bool
     command: bool
     imu: bool
     mice: bool
+    motors: bool
 
 
 class TickBlock:
@@ -128,6 +130,8 @@ class TickBlock:
             block.add(IMU, sensing.imu_template(robot))
         if kind.mice:
             block.add(MICE, sensing.mice_template(robot))
+        if kind.motors:
+            block.add(MOTORS, sensing.motors_template(robot))
         self.block = block
 
     def encode(self, rows: Array, first: int) -> tuple[bytes, NDArray[np.uint64]]:
@@ -159,6 +163,8 @@ class TickBlock:
             sensing.fill_imu(out, 15, self._robot, rows[:, at["gyro"]], rows[:, at["accel"]])
         if self._kind.mice:
             sensing.fill_mice(out, 16, rows[:, at["mice"]])
+        if self._kind.motors:
+            sensing.fill_motors(out, 17, rows[:, at["motors"]])
         return raw.tobytes(), stamps
 
     def _fill_joints(self, out: NDArray[np.void], rows: Array) -> None:

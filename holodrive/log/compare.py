@@ -12,7 +12,7 @@ CHANNELS = (
     *("time", "pose", "estimate", "covariance", "reference", "twist", "decided"),
     *("wheel_commands", "wheel_speeds", "steer_commands", "steer", "duty", "slip"),
 )
-SENSORS = ("gyro", "accel", "mice")
+SENSORS = ("gyro", "accel", "mice", "motors")
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ def compare(a: Run, b: Run) -> tuple[Difference, ...]:
     """What differs between two runs, bit for bit; nothing for equal ones. NaN equals NaN.
 
     Scans are compared as the log keeps them, in float32 and with stamps to a microsecond. A sensor is compared where
-    both runs have it at all: older logs know no IMU and no mice.
+    both runs have it at all: older logs know no IMU, no mice and no motors.
     """
     found = [_arrays(name, a, b) for name in CHANNELS]
     found += [_arrays(name, a, b) for name in SENSORS if _known(name, a) and _known(name, b)]

@@ -179,6 +179,7 @@ def _rows(by_topic: Mapping[str, list[bytes]], stamps: Mapping[str, list[int]], 
     for channel, read_all, columns in (
         (blocks.IMU, sensing.read_imu, slice(at["gyro"].start, at["accel"].stop)),
         (blocks.MICE, sensing.read_mice, at["mice"]),
+        (blocks.MOTORS, sensing.read_motors, at["motors"]),
     ):
         values, good = read_all(by_topic.get(channel.topic, []), robot)
         place = sensing.ticks_of(_stamps(stamps, channel.topic)[good], ticks)

@@ -68,7 +68,7 @@ class Recorder:
         self._description = _description(robot, world, settings or {})
         self._rows = np.empty((_CHUNK_TICKS, self._columns.size))
         self._filled, self._ticks = 0, 0
-        self._imu, self._mice = False, False  # a sensor that was there once keeps its topic
+        self._imu, self._mice, self._motors = False, False, False  # a sensor that was there once keeps its topic
         self._block_kind: BlockKind | None = None
         self._blocks: dict[BlockKind, TickBlock] = {}
         self._others: list[tuple[ChannelSpec, int, bytes]] = []
@@ -119,7 +119,8 @@ class Recorder:
         self._imu = self._imu or tick.gyro is not None or tick.accel is not None
         self._mice = self._mice or (tick.mice is not None and self._columns.k > 0)
         is_twist = bool(row[self._columns["decided_kind"].start] == KIND_TWIST)
-        kind = BlockKind(tick.truth is not None, is_twist, self._imu, self._mice)
+        self._motors = self._motors or tick.motors is not None
+        kind = BlockKind(tick.truth is not None, is_twist, self._imu, self._mice, self._motors)
         if kind != self._block_kind:
             self._flush()  # the rows before have other channels than this one
             self._rows[0], self._block_kind = row, kind

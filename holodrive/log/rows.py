@@ -1,6 +1,6 @@
 """Control ticks as rows of float64: what the recorder buffers, the log stores and a `Run` is made from.
 
-A row is the message `holodrive_msgs/msg/Tick` without the lengths of its sequences, then what IMU and mice told
+A row is the message `holodrive_msgs/msg/Tick` without the lengths of its sequences, then what IMU, mice and motors told
 (messages of their own), so that writing and reading a log move whole rows and no number is ever rounded.
 """
 
@@ -55,7 +55,7 @@ class Columns:
     def __init__(self, n: int, m: int, k: int) -> None:
         self.n, self.m, self.k = n, m, k
         self.counts = dict(FIXED) | {name: n if kind == "n" else m for name, kind in SEQUENCES}
-        self.counts |= {"gyro": 1, "accel": 2, "mice": 2 * k}
+        self.counts |= {"gyro": 1, "accel": 2, "mice": 2 * k, "motors": 4 * (n + m)}
         self.at: dict[str, slice] = {}
         start = 0
         for name, count in self.counts.items():
@@ -121,6 +121,15 @@ class Columns:
             row[self.at["mice"]] = np.ravel(mice)
         elif np.size(mice) or self.k:
             raise ValueError(f"the robot has {self.k} mice, a tick has displacements of shape {np.shape(mice)}")
+        if tick.motors is None:
+            row[self.at["motors"]] = _NAN
+        elif np.shape(tick.motors) == (4, self.n + self.m):
+            row[self.at["motors"]] = np.transpose(tick.motors).ravel()
+        else:
+            found = np.shape(tick.motors)[1:]
+            raise ValueError(
+                f"the robot has {self.n + self.m} drives and steerings, a tick has motors of shape {found}"
+            )
 
 
 @cache
@@ -179,6 +188,7 @@ def run_of_rows(
         gyro=part("gyro")[:, 0],
         accel=part("accel"),
         mice=part("mice").reshape(len(rows), at.k, 2),
+        motors=part("motors").reshape(len(rows), at.n + at.m, 4),
         scans=tuple(scans),
         events=tuple(events),
         metrics=dict(metrics or {}),

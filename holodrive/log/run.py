@@ -7,7 +7,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from holodrive.robots.spec import Robot
-from holodrive.types import Array, Command, Estimate, Event, Pose, Reference, Scan, Twist, WheelCommand, WheelState
+from holodrive.types import (
+    Array,
+    Command,
+    Estimate,
+    Event,
+    MotorState,
+    Pose,
+    Reference,
+    Scan,
+    Twist,
+    WheelCommand,
+    WheelState,
+)
 from holodrive.worlds.spec import World
 
 
@@ -17,6 +29,7 @@ class Tick(NamedTuple):
     `decided` is what the controller asked for, `applied` what was really sent after pipeline, gate and base.
     `truth` and `true_twist` are known in simulation and with motion capture only. `duty` (n,) is None when unknown.
     `gyro`, `accel` (2,) and `mice` (k, 2) are those of the observation, None without such a sensor.
+    `motors` is None where nobody knows what the motors do.
     """
 
     time: float
@@ -31,6 +44,7 @@ class Tick(NamedTuple):
     gyro: float | None = None
     accel: Array | None = None
     mice: Array | None = None
+    motors: MotorState | None = None
 
 
 def _nothing() -> Array:
@@ -62,6 +76,8 @@ class Run:
         gyro: (T,) yaw rate as measured [rad/s].
         accel: (T, 2) specific force as measured, in the axes of the IMU [m/s^2].
         mice: (T, k, 2) displacement of each ground sensor since the last tick, in its own axes [m].
+        motors: (T, n + m, 4) current [A], torque [N m], electrical and mechanical power [W] of drives and steerings,
+            means of the control period that begins at the tick; see `motor_state`.
     """
 
     robot: Robot
@@ -88,12 +104,20 @@ class Run:
     gyro: Array = field(default_factory=_nothing)
     accel: Array = field(default_factory=_nothing)
     mice: Array = field(default_factory=_nothing)
+    motors: Array = field(default_factory=_nothing)
 
     def __post_init__(self) -> None:
         """What sensors were left out are unknown at every tick."""
-        for name, shape in (("gyro", ()), ("accel", (2,)), ("mice", (len(self.robot.mice), 2))):
+        motors = len(self.robot.wheels) + len(self.robot.steered)
+        shapes = (("gyro", ()), ("accel", (2,)), ("mice", (len(self.robot.mice), 2)), ("motors", (motors, 4)))
+        for name, shape in shapes:
             if not np.size(getattr(self, name)):
                 object.__setattr__(self, name, np.full((len(self.time), *shape), np.nan))
+
+    @property
+    def motor_state(self) -> MotorState:
+        """What the motors did, each (T, n + m); NaN where nobody knows."""
+        return MotorState(*np.moveaxis(self.motors, -1, 0))
 
     @property
     def ended(self) -> str:

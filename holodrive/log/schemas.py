@@ -18,6 +18,7 @@ LASER_SCAN = "sensor_msgs/msg/LaserScan"
 TRANSFORMS = "tf2_msgs/msg/TFMessage"
 IMU = "sensor_msgs/msg/Imu"
 MICE = "holodrive_msgs/msg/Mice"
+MOTORS = "holodrive_msgs/msg/Motors"
 
 _BODIES: dict[str, str] = {
     TICK: """\
@@ -105,6 +106,15 @@ std_msgs/Header header
 string[] name
 float64[] x
 float64[] y
+""",
+    MOTORS: """\
+# What drives and steerings did in the control period that begins at the stamp; NaN where unknown.
+std_msgs/Header header
+string[] name                     # wheels, then NAME_steer
+float64[] current                 # A that make torque
+float64[] torque                  # N m behind gear and its losses
+float64[] electrical              # W from the driver
+float64[] mechanical              # W that the shaft gives to its load
 """,
     "std_msgs/msg/Header": "builtin_interfaces/Time stamp\nstring frame_id\n",
     "builtin_interfaces/msg/Time": "int32 sec\nuint32 nanosec\n",

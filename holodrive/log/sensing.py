@@ -1,4 +1,4 @@
-"""IMU and mice of every tick as messages, and which tick a reading that was read back belongs to.
+"""IMU, mice and motors of every tick as messages, and which tick a reading that was read back belongs to.
 
 A reading has the log time of its tick. It is a message of its own, beside `holodrive_msgs/msg/Tick`, so that a log
 without these sensors, or from before they were recorded, has just one topic less.
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from holodrive.log.cdr import ENCAPSULATION, Hole, Template
 from holodrive.robots.spec import Robot
-from holodrive.types import Array
+from holodrive.types import Array, MotorState
 
 IMU_FRAME = "imu"
 _NAN = float("nan")
@@ -53,6 +53,23 @@ def mice_template(robot: Robot) -> Template:
     return message
 
 
+def motor_names(robot: Robot) -> list[str]:
+    """Drives by their wheels, then steerings."""
+    names = [wheel.name for wheel in robot.wheels]
+    return [*names, *(f"{names[i]}_steer" for i in robot.steered)]
+
+
+def motors_template(robot: Robot) -> Template:
+    """holodrive_msgs/Motors."""
+    names = motor_names(robot)
+    message = Template()
+    message.header("base_link")
+    message.strings(names)
+    for name in MotorState._fields:
+        message.sequence(name, len(names))
+    return message
+
+
 def fill_imu(out: NDArray[np.void], number: int, robot: Robot, gyro: Array, accel: Array) -> None:
     """Write yaw rates (T, 1) [rad/s] and specific forces (T, 2) [m/s^2] into the holes of channel `number`."""
     variance = 0.0 if robot.imu is None else robot.imu.accel_noise_m_s2**2
@@ -64,6 +81,19 @@ def fill_imu(out: NDArray[np.void], number: int, robot: Robot, gyro: Array, acce
 def fill_mice(out: NDArray[np.void], number: int, mice: Array) -> None:
     """Write displacements (T, 2 k) [m], x and y of one mouse after the other, into the holes of channel `number`."""
     out[f"{number}.x"], out[f"{number}.y"] = mice[:, ::2], mice[:, 1::2]
+
+
+def fill_motors(out: NDArray[np.void], number: int, motors: Array) -> None:
+    """Write the numbers (T, 4 k) of one motor after the other into the holes of channel `number`."""
+    for i, name in enumerate(MotorState._fields):
+        out[f"{number}.{name}"] = motors[:, i::4]
+
+
+def read_motors(messages: Sequence[bytes], robot: Robot) -> tuple[Array, NDArray[np.bool_]]:
+    """Numbers (g, 4 k) of one motor after the other, and which of M messages are good (M,)."""
+    raw, good, holes = alike(messages, motors_template(robot))
+    each = np.stack([numbers(raw, holes[name]) for name in MotorState._fields], axis=-1)
+    return each.reshape(len(raw), len(MotorState._fields) * len(motor_names(robot))), good
 
 
 def read_imu(messages: Sequence[bytes], robot: Robot) -> tuple[Array, NDArray[np.bool_]]:

@@ -1,4 +1,4 @@
-"""The charts of a run: errors, velocities, wheels, steering, duty, slip."""
+"""The charts of a run: errors, velocities, wheels, steering, duty, slip, motors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from holodrive.geometry import wrap
 from holodrive.log.drawing import best_pose
 from holodrive.log.run import Run
 from holodrive.reports.plots import DASHES, Chart, Line
-from holodrive.types import Array
+from holodrive.types import Array, MotorState
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,12 @@ def chart_groups(run: Run) -> list[ChartGroup]:
         ChartGroup("Wheel speeds", "Pale: commanded. Solid: measured.", wheels(run)),
         ChartGroup("Steering", "Pale: commanded. Solid: measured.", steering(run)),
         ChartGroup("Motors and ground", "Duty of each motor; rim speed in which the wheels contradict.", effort(run)),
+        ChartGroup(
+            "Currents and power",
+            "Means of each control tick. Current is what makes torque, as in a DC motor of the same constants; "
+            "below 0 W a motor brakes, and the efficiency is that of all drives together while they drive.",
+            motors(run),
+        ),
     ]
     shown = []
     for group in groups:
@@ -100,6 +106,24 @@ def effort(run: Run) -> tuple[Chart, ...]:
     )
     slip = (Line("", run.time, 1e3 * run.slip, 3),)
     return (Chart("Duty", "%", duty, low=-100.0, high=100.0), Chart("Wheel slip", "mm/s", slip, low=0.0, least=1.0))
+
+
+def motors(run: Run) -> tuple[Chart, ...]:
+    """Current and torque of each drive, current of each steering, power of all, efficiency of the drives."""
+    n, state = len(run.robot.wheels), run.motor_state
+    drives = [wheel.name for wheel in run.robot.wheels]
+    steered = [run.robot.wheels[i].name for i in run.robot.steered]
+    known = np.isfinite(run.motors).any(axis=(0, 2))
+    total = [np.nansum(values[:, known], axis=1) if known.any() else np.full(len(run.time), np.nan) for values in state]
+    power = (Line("electrical", run.time, total[2], 3), Line("mechanical", run.time, total[3], 2))
+    given = MotorState(*(np.sum(values[:, :n], axis=1) for values in state)).efficiency
+    return (
+        Chart("Drive current", "A", _lines(drives, run.time, list(state.current[:, :n].T)), least=0.1),
+        Chart("Drive torque", "N m", _lines(drives, run.time, list(state.torque[:, :n].T)), least=0.01),
+        Chart("Steering current", "A", _lines(steered, run.time, list(state.current[:, n:].T)), least=0.1),
+        Chart("Power of all motors", "W", power, least=0.1),
+        Chart("Efficiency of the drives", "%", (Line("", run.time, 100.0 * given, 4),), low=0.0, high=100.0),
+    )
 
 
 def position_error(a: Array, b: Array) -> Array:

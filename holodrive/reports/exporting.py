@@ -11,12 +11,14 @@ import numpy as np
 
 from holodrive.errors import InputError, MissingExtra
 from holodrive.log.run import Run
+from holodrive.log.sensing import motor_names
 from holodrive.reports.rendering import KNOWN, TABLES, ending
 from holodrive.reports.tables import plain
 from holodrive.types import Array
 
 _POSE = (("x_m", "m"), ("y_m", "m"), ("theta_rad", "rad"))
 _TWIST = (("vx_m_s", "m/s"), ("vy_m_s", "m/s"), ("omega_rad_s", "rad/s"))
+_MOTOR = (("current_a", "A"), ("torque_n_m", "N m"), ("electrical_w", "W"), ("mechanical_w", "W"))
 _COVARIANCE = (
     ("xx_m2", "m^2", 0, 0), ("xy_m2", "m^2", 0, 1), ("yy_m2", "m^2", 1, 1), ("xtheta_m_rad", "m rad", 0, 2),
     ("ytheta_m_rad", "m rad", 1, 2), ("thetatheta_rad2", "rad^2", 2, 2),
@@ -62,6 +64,10 @@ def columns(run: Run) -> dict[str, tuple[str, Array]]:
         name = run.robot.wheels[index].name
         table[f"steer_command.{name}_rad"] = ("rad", run.steer_commands[:, i])
         table[f"steer.{name}_rad"] = ("rad", run.steer[:, i])
+    if np.isfinite(run.motors).any():
+        for i, name in enumerate(motor_names(run.robot)):
+            for values, (what, unit) in zip(run.motor_state, _MOTOR, strict=True):
+                table[f"motor.{name}.{what}"] = (unit, values[:, i])
     return table | {"slip_m_s": ("m/s", run.slip)}
 
 

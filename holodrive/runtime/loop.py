@@ -103,6 +103,7 @@ class Loop:
             gyro=observation.gyro,
             accel=observation.accel,
             mice=observation.mice,
+            motors=getattr(self.base, "motors", None),
         )
         self._record(tick, observation)
         if self.decision.no_rule and not was_silent:
