@@ -8,6 +8,7 @@ from holodrive.errors import InputError, UnknownName
 if TYPE_CHECKING:
     from holodrive.estimation.evaluation import Evaluation, Medians, evaluate, medians
     from holodrive.estimation.kernel import KernelEstimator
+    from holodrive.estimation.mouse_odometry import MouseOdometry
     from holodrive.estimation.odometry import Odometry, track
     from holodrive.estimation.wheel_odometry import WheelOdometry
     from holodrive.interfaces import Estimator, Plug
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
 # name -> "module:class" of a frozen parameter class (interfaces.Plug)
 ESTIMATORS: dict[str, str] = {
+    "mouse_odometry": "holodrive.estimation.mouse_odometry:MouseOdometry",
     "wheel_odometry": "holodrive.estimation.wheel_odometry:WheelOdometry",
 }
 # Numba and all that needs it is imported when it is first asked for
@@ -22,6 +24,7 @@ _WHERE = {
     "Evaluation": "holodrive.estimation.evaluation",
     "KernelEstimator": "holodrive.estimation.kernel",
     "Medians": "holodrive.estimation.evaluation",
+    "MouseOdometry": "holodrive.estimation.mouse_odometry",
     "Odometry": "holodrive.estimation.odometry",
     "WheelOdometry": "holodrive.estimation.wheel_odometry",
     "evaluate": "holodrive.estimation.evaluation",
@@ -95,6 +98,7 @@ __all__ = [
     "Evaluation",
     "KernelEstimator",
     "Medians",
+    "MouseOdometry",
     "Odometry",
     "WheelOdometry",
     "default_name",

@@ -95,7 +95,18 @@ class WheelOdometry:
         return ANGLES + 3 * len(robot.wheels) + 3 * len(robot.steered)
 
     def pack(self, robot: "Robot | Chassis") -> Array:
-        """The parameters and the kinematics of the robot, as one vector."""
+        """The parameters and the kinematics of the robot, as one vector.
+
+        Raises:
+            InputError: a wheel without an encoder, or another number of noises than of wheels.
+        """
+        if not isinstance(robot, Chassis):
+            blind = ", ".join(wheel.name for wheel in robot.wheels if wheel.encoder is None)
+            if blind:
+                raise InputError(
+                    f"wheel_odometry needs an encoder on every wheel, {robot.name} has none on {blind}; "
+                    "give the wheels encoders or choose another estimator"
+                )
         arrays, n = kin.arrays(robot), len(robot.wheels)
         noise = np.atleast_1d(np.asarray(self.wheel_noise, dtype=np.float64))
         if len(noise) not in (1, n):
