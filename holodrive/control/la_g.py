@@ -181,7 +181,7 @@ class LaG:
     kp_heading: float = 1e-3 / math.radians(1.0)
     max_speed_m_s: float = 0.037
     dead_band_rad: float = math.radians(1.0)
-    hysteresis_rad: float = math.radians(0.25)
+    hysteresis_rad: float = math.radians(0.1)
     arrive_m: float = 0.002
     arrive_rad: float = math.radians(2.0)
 
