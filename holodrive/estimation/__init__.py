@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 
 # name -> "module:class" of a frozen parameter class (interfaces.Plug)
 ESTIMATORS: dict[str, str] = {
+    "mouse_corrected": "holodrive.estimation.mouse_corrected:MouseCorrected",
     "mouse_odometry": "holodrive.estimation.mouse_odometry:MouseOdometry",
+    "mouse_printed": "holodrive.estimation.mouse_printed:MousePrinted",
     "wheel_odometry": "holodrive.estimation.wheel_odometry:WheelOdometry",
 }
 # Numba and all that needs it is imported when it is first asked for
