@@ -152,6 +152,7 @@ def accuracy(robot, count, lines, missed):
         lines.append(f"{'':38s} the worst at {worst:g} deg")
         if params is PRINTED and found["max"].max() >= BAR_MM:
             missed.append(f"printed strays {found['max'].max():.1f} mm on a straight path")
+    lines.append(row("as printed, no dead band", straight(robot, {**PRINTED, "dead_band_rad": 0.0}, tables)))
     lines.append("straight, step (one target at the end)")
     for label, params in {
         "as printed, common scaling": PRINTED,
@@ -224,7 +225,10 @@ def main():
     robot, lines, missed = robots.load("mecanum4_mice"), [], []
     lines.append(f"{platform.machine()}, Python {platform.python_version()}, Numba {numba.__version__}")
     lines.append("max: median of the largest distances to the path; worst: the largest of all; IAE: of that distance;")
-    lines.append("tracking: IAE to the moving target [mm s]; end: error at the end; off: heading; turns: of the time")
+    lines.append(
+        "tracking: IAE to the moving target [mm s]; end: error at the end, where a lap also began; off: heading;"
+    )
+    lines.append("turns: share of the time in which only the heading is corrected")
     accuracy(robot, options.laps, lines, missed)
     settings(robot, options.laps, lines)
     pace(robot, options.rounds, lines, missed)
