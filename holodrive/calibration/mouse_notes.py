@@ -4,12 +4,13 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from holodrive.calibration.mouse_fit import TURNED
 from holodrive.calibration.mouse_runs import DIRECTIONS, MouseRun
 
 if TYPE_CHECKING:
     from holodrive.calibration.mice import Parameter
 
-_TURNED = 0.5  # rad: runs that turn less tell nothing of lever arms
+
 _CHECKED = 0.5  # |sin| between two straight runs that check each other
 
 
@@ -39,7 +40,7 @@ def _not_told(parameters: Sequence["Parameter"], runs: Sequence[MouseRun], track
     for each in parameters:
         if not each.told:
             missing.setdefault(each.mouse, []).append(each.name)
-    turned = tracked or any(abs(run.turn_rad) > _TURNED for run in runs)
+    turned = tracked or any(abs(run.turn_rad) > TURNED for run in runs)
     went = tracked or any(run.kind in DIRECTIONS for run in runs)
     lines = []
     for mouse, names in missing.items():
