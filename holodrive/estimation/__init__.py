@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 # name -> "module:class" of a frozen parameter class (interfaces.Plug)
 ESTIMATORS: dict[str, str] = {
+    "fused_odometry": "holodrive.estimation.fused_odometry:FusedOdometry",
     "mouse_corrected": "holodrive.estimation.mouse_corrected:MouseCorrected",
     "mouse_odometry": "holodrive.estimation.mouse_odometry:MouseOdometry",
     "mouse_printed": "holodrive.estimation.mouse_printed:MousePrinted",
