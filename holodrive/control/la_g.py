@@ -245,7 +245,8 @@ def wheel_speeds(robot: Robot) -> Array:
     diagonals = [sum(_along(axis, wanted) for axis in axes) for wanted in (_AXIS_14, _AXIS_23)]
     if {wheel.kind for wheel in robot.wheels} != {"mecanum"} or diagonals != [2, 2]:
         found = ", ".join(
-            f"{wheel.name} ({wheel.kind}" + (f" {math.degrees(axis):+.3g} deg)" if wheel.kind == "mecanum" else ")")
+            f"{wheel.name} ({wheel.kind}"
+            + (f" {math.degrees(0.5 * wrap(2.0 * axis)):+.3g} deg)" if wheel.kind == "mecanum" else ")")
             for wheel, axis in zip(robot.wheels, axes, strict=True)
         )
         raise InputError(
