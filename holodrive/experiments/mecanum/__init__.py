@@ -1,10 +1,11 @@
 """Keek, Loh and Chong, 'Comprehensive Development and Control of a Path-Trackable Mecanum-Wheeled Robot'."""
 
 from holodrive.experiments.experiment import Experiment, Part
-from holodrive.experiments.mecanum import actuators, example, gains, tables
+from holodrive.experiments.mecanum import actuators, example, gains, localisation, tables
 
 # what the paper's own numbers say, computed again
 PRINTED = (
+    Part("localisation", "Equations 1 to 7: dead reckoning with two mice", localisation.localisation),
     Part("linearization", "Equations 8 to 12: speed of a step, and four cubics", actuators.linearization),
     Part("figure-9", "Figure 9 and equations 13 to 16: gains over the angle", gains.figure_9),
     Part("example", "Equations 17 to 30: the worked example, number by number", example.example),

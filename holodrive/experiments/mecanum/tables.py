@@ -16,7 +16,7 @@ from holodrive.reports.tables import Table
 from holodrive.types import Array
 
 _HALVES = (("0° to 84.4°", slice(0, 16)), ("180° to 264.4°", slice(16, 32)))
-_RUNS = ("experiment 1", "experiment 2", "experiment 3", "experiment 4")
+_RUNS = ("run 1", "run 2", "run 3", "run 4")
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ def _conventions(table: Printed) -> list[Claim]:
     kind = "n, of the population" if table.population else "n − 1, of a sample"
     note = "so COV is not SD / mean in any row" if table.population else "so COV is SD / mean"
     return [
-        Claim(table.name, f"SD with {kind}", said, f"{fit_sd} of {count} rows", itself),
+        Claim(table.name, f"SD with {kind}", said, f"{fit_sd} of {count} rows", "not printed"),
         Claim(table.name, "COV with n − 1, of a sample", said, f"{fit_cov} of {count} rows", itself, note=note),
     ]
 
@@ -233,20 +233,21 @@ def _row_fits(table: Printed, i: int) -> bool:
 
 def _recomputed(table: Printed) -> TableSection:
     columns = table.columns
-    headers = ("angle, °", *(f"run {k}, {table.unit}" for k in (1, 2, 3, 4)), f"mean, {table.unit}", "SD printed",
-               "SD, n", "SD, n − 1", "COV printed", "COV, n", "COV, n − 1", "fits")  # fmt: skip
+    headers = ("angle", "run 1", "run 2", "run 3", "run 4", "mean", "SD printed", "SD, n", "SD, n − 1", "COV printed",
+               "COV, n", "COV, n − 1")  # fmt: skip
     cells, data = [], []
     for i, row in enumerate(table.rows):
         mean, pop, sample = (float(c[i]) for c in (columns.mean, columns.population, columns.sample))
-        numbers = (*row.runs, mean, row.deviation, pop, sample, row.variation, pop / mean, sample / mean)
+        numbers = (row.deviation, pop, sample, row.variation, pop / mean, sample / mean)
         good = _row_fits(table, i)
-        cells.append((f"{row.angle_deg:g}", *(f"{value:.4f}" for value in numbers), "yes" if good else "no"))
+        texts = (*(f"{value:.4f}" for value in row.runs), f"{mean:.1f}", *(f"{value:.4f}" for value in numbers))
+        cells.append((f"{row.angle_deg:g}°{'' if good else ' ≠'}", *texts))
         data.append(_plain_row(row, mean, pop, sample, good))
-    numeric = (*(True for _ in headers[:-1]), False)
+    numeric = (False, *(True for _ in headers[1:]))
     kind = "population's (n)" if table.population else "sample's (n − 1)"
     note = (
-        f"'fits' says whether the printed SD is the {kind} and the printed COV the sample's over the mean, both to one "
-        "unit of the last digit."
+        f"Runs, mean and SD in {table.unit}. ≠ marks a row whose SD is not the {kind} or whose COV is not the sample's "
+        "over the mean, to one unit of the last digit."
     )
     title = f"{table.name}, computed again"
     return TableSection(title, Table("", headers, tuple(cells), tuple(data), numeric), note)
