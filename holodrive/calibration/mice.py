@@ -26,7 +26,7 @@ from holodrive.types import Array, Pose
 PARAMETERS = ("yaw", "scale", "x", "y")
 PER_AXIS = ("yaw", "scale x", "scale y", "x", "y")
 _TOLD = 0.05  # a parameter is told when its standard deviation is below this part of what was known before
-_CONTRADICTION = 0.02  # of the way: mice that disagree more have not rolled on the same floor
+_CONTRADICTION = 30.0  # times the accuracies: no tape is that bad, some run is not what it is said to be
 _UNLIKELY = 1e-3  # of chance, below which stated accuracies are taken for too small
 
 
@@ -139,7 +139,7 @@ def calibrate(
     fit = least_squares(residuals, problem.begin, jac="3-point", x_scale=before, xtol=1e-14, ftol=1e-14)
     found, jacobian = fit.x, fit.jac[: -len(fit.x)]
     result = _result(problem, mice, found, jacobian, before)
-    _plausible(result, problem, footprint_m, found)
+    _plausible(result, footprint_m)
     return result
 
 
@@ -223,21 +223,19 @@ def _worst(problem: Problem, found: Array) -> tuple[str, float]:
     return max(off, key=lambda each: each[1])
 
 
-def _plausible(result: MiceCalibration, problem: Problem, footprint_m: float, found: Array) -> None:
+def _plausible(result: MiceCalibration, footprint_m: float) -> None:
     """Refuse what no robot can be."""
-    for r, run in enumerate(problem.runs):
-        lengths = problem.of_run(found, r)[1]
-        way = float(np.max(run.way * problem.scale))
-        off = float(np.abs(lengths).max())
-        if run.kind != "track" and off > max(_CONTRADICTION * way, 10.0 * float(np.max(run.measured[0].sigma[:2]))):
-            raise InputError(
-                f"run {run.name!r} contradicts the others by {1e3 * off:.3g} mm on {1e3 * way:.4g} mm: a mouse lifted "
-                "off or dead for a part of it, a wrong length, or a wrong number of turns? Nothing is taken over"
-            )
+    run, off = result.worst
+    if result.widened > _CONTRADICTION:
+        raise InputError(
+            f"the runs contradict each other {result.widened:.3g} times more than the accuracies allow, run {run!r} by "
+            f"{1e3 * off:.3g} mm: a mouse lifted off or dead for a part of one, a wrong length or number of turns? "
+            "Nothing is taken over"
+        )
     for name, mount in zip(result.mice, result.mounts, strict=True):
-        told = result.parameter(name, "x").told and result.parameter(name, "y").told
         far = math.hypot(mount.x, mount.y)
-        if told and far > footprint_m:
+        sigma = max(result.parameter(name, "x").sigma, result.parameter(name, "y").sigma)
+        if far > footprint_m + 3.0 * sigma:
             raise InputError(
                 f"mouse {name} comes out {far:.3g} m from the robot's centre, outside its footprint of "
                 f"{footprint_m:g} m: a wrong number of turns, a wrong length, or counts of another robot? "

@@ -1,7 +1,7 @@
 """The least squares behind a calibration of mice: unknowns, starting values and residuals.
 
-What k mice saw of a run, turned into body axes by a guess of their mounts, is fitted by one rigid motion a sample. Its
-integral, or the pose it ends at, must be what was measured; what of the mice's totals it leaves over must be nothing.
+What k mice saw of a run is fitted by one rigid motion a sample, given a guess of their mounts. Its integral, or the
+pose it ends at, must be what was measured; what of the mice's totals it leaves over must be nothing.
 """
 
 import math
@@ -30,20 +30,18 @@ class Problem:
         k: mice.
         width: numbers of a mouse, 4 or, with a scale for each axis, 5.
         blind: the mice cannot tell turns: a single one, or runs that hardly turn.
-        noise: (R, k) standard deviation of totals [counts].
-        scale: (k,) about what a count is [m].
+        sigma: (R, 2k) standard deviations of totals, mouse by mouse along its axes [m].
         begin: guess by linear least squares.
-        spread: (R, 3) variance of a run's motion that comes of the mice's noise [m^2, m^2, rad^2].
+        whiten: of each run, for everything measured of it: (3, 3) that makes errors of one size and free of each other.
     """
 
     runs: tuple[MouseRun, ...]
     k: int
     width: int
     blind: bool
-    noise: Array
-    scale: Array
+    sigma: Array
     begin: Array
-    spread: Array
+    whiten: tuple[tuple[Array, ...], ...]
 
     def before(self, footprint_m: float) -> Array:
         """Standard deviations of a guess before any run."""
@@ -62,13 +60,11 @@ class Problem:
 
     def of_run(self, guess: Array, r: int) -> tuple[Array, Array]:
         """Residuals of run r over their standard deviations, and those that are lengths, in metres (for people)."""
-        run = self.runs[r]
-        moved, beside = self._motion(guess, r)
-        sigma = self.noise[r] * self.scale
-        whitened, lengths = [(beside / sigma[:, None]).ravel()], [beside.ravel()]
-        for known in run.measured:
+        moved, beside, _ = self.motion(guess, r)
+        whitened, lengths = [beside / self.sigma[r]], [beside]
+        for known, whiten in zip(self.runs[r].measured, self.whiten[r], strict=True):
             off = (moved.sum(axis=0) if known.what == "body" else end_of(moved)) - known.value
-            whitened.append(off / np.sqrt(known.sigma**2 + self.spread[r]))
+            whitened.append(whiten @ off)
             lengths.append(off[:2])
         return np.concatenate(whitened), np.concatenate(lengths)
 
@@ -78,17 +74,24 @@ class Problem:
         rows = sum(2 * self.k + 3 * len(run.measured) - (2 if self.blind else 3) for run in self.runs)
         return max(rows - len(self.begin), 0)
 
-    def _motion(self, guess: Array, r: int) -> tuple[Array, Array]:
-        """(N, 3) body motion of run r, and (k, 2) what of the mice's totals it leaves over [m]."""
+    def motion(self, guess: Array, r: int) -> tuple[Array, Array, Array]:
+        """Body motion (N, 3) of run r, what of the mice's totals it leaves over (2k,) [m], and (3, 2k) from ways to it.
+
+        Fitted to what all mice saw, each by its noise; where the turns are unknowns, to them and the mice's mean way.
+        """
         run = self.runs[r]
         phi, scales, places, turns = self.split(guess)
-        c, s = np.cos(phi), np.sin(phi)
-        along, across = run.counts[..., 0] * scales[:, 0], run.counts[..., 1] * scales[:, 1]
-        seen = np.stack([c * along - s * across, s * along + c * across], axis=-1)  # (N, k, 2) body axes
-        sigma = self.noise[r] * self.scale
-        if self.blind:
-            return _translation(seen, places, sigma, _share(run) * turns[r])
-        return _rigid(seen, places, sigma)
+        ways = (run.counts * scales).reshape(len(run.counts), 2 * self.k)
+        matrix, weight = _matrix(phi, places), 1.0 / self.sigma[r]
+        if not self.blind:
+            inverse = np.linalg.pinv(matrix * weight[:, None]) * weight
+            moved = ways @ inverse.T
+            return moved, ways.sum(axis=0) - matrix @ moved.sum(axis=0), inverse
+        turn = _share(run) * turns[r]
+        inverse = np.vstack([np.linalg.pinv(matrix[:, :2] * weight[:, None]) * weight, np.zeros(2 * self.k)])
+        moved = (ways - np.outer(turn, matrix[:, 2])) @ inverse.T
+        moved[:, 2] = turn
+        return moved, ways.sum(axis=0) - matrix @ moved.sum(axis=0), inverse
 
 
 def problem(
@@ -107,14 +110,47 @@ def problem(
     turned = max([pieces, *(abs(run.turn_rad) for run in runs if run.kind != "track")])
     blind = k == 1 or turned < TURNED
     relative = np.broadcast_to(np.asarray(noise_relative, dtype=np.float64), (k,))
-    noise = np.sqrt(COUNT**2 + np.array([relative**2 * run.square for run in runs]))
     nominal = np.broadcast_to(np.asarray(nominal_m, dtype=np.float64), (k,))
     begin, scale = _start(runs, nominal, 5 if per_axis else 4)
     if blind:
         begin = np.concatenate([begin, [run.turn_rad for run in runs]])
-    bare = Problem(tuple(runs), k, 5 if per_axis else 4, blind, noise, scale, begin, np.zeros((len(runs), 3)))
-    places = bare.split(begin)[2]
-    return replace(bare, spread=np.array([_spread(places, each * scale, blind) for each in noise]))
+    noise = np.array([COUNT**2 + relative[:, None] ** 2 * run.squares.sum(axis=0) for run in runs])
+    sigma = (np.sqrt(noise) * scale[:, None]).reshape(len(runs), 2 * k)
+    bare = Problem(tuple(runs), k, 5 if per_axis else 4, blind, sigma, begin, ())
+    return replace(bare, whiten=tuple(_whiten(bare, r, relative * scale, scale) for r in range(len(runs))))
+
+
+def _whiten(bare: Problem, r: int, relative: Array, count_m: Array) -> tuple[Array, ...]:
+    """For everything measured of run r: the errors of the measuring, and those that the mice's own noise adds.
+
+    A mouse's noise turns the motion a little in every sample, and what follows with it: the end of a run carries all
+    of that (A below), its integral in body axes does not.
+    """
+    run = bare.runs[r]
+    moved, _, inverse = bare.motion(bare.begin, r)
+    ways = (run.squares * relative[:, None] ** 2).reshape(len(run.squares), -1)  # (N, 2k) variances [m^2]
+    counted = (inverse * np.repeat((COUNT * count_m) ** 2, 2)) @ inverse.T
+    counted[:2, :2] = 0.5 * np.trace(counted[:2, :2]) * np.eye(2)  # a run may turn x into y
+    counted[:2, 2] = counted[2, :2] = 0.0
+    out = []
+    for known in run.measured:
+        carry = _carry(moved) if known.what == "end" else np.broadcast_to(np.eye(3), (len(moved), 3, 3))
+        gain = carry @ inverse
+        covariance = np.diag(known.sigma**2) + counted + np.einsum("nij,nj,nkj->ik", gain, ways, gain)
+        out.append(np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)), dtype=np.float64))
+    return tuple(out)
+
+
+def _carry(moved: Array) -> Array:
+    """(N, 3, 3) from a change of each body motion to the change of the end pose."""
+    heading = np.cumsum(moved[:, 2]) - 0.5 * moved[:, 2]
+    c, s = np.cos(heading), np.sin(heading)
+    place = np.cumsum(np.stack([c * moved[:, 0] - s * moved[:, 1], s * moved[:, 0] + c * moved[:, 1]], axis=-1), axis=0)
+    ahead = place[-1] - place
+    out = np.zeros((len(moved), 3, 3))
+    out[:, 0, 0], out[:, 0, 1], out[:, 1, 0], out[:, 1, 1] = c, -s, s, c
+    out[:, 0, 2], out[:, 1, 2], out[:, 2, 2] = -ahead[:, 1], ahead[:, 0], 1.0
+    return out
 
 
 def _start(runs: Sequence[MouseRun], nominal: Array, width: int) -> tuple[Array, Array]:
@@ -139,38 +175,13 @@ def _start(runs: Sequence[MouseRun], nominal: Array, width: int) -> tuple[Array,
     return np.array(begin), np.array(scales)
 
 
-def _matrix(places: Array) -> Array:
-    """(2k, 3) from a body motion to what mice see of it, in body axes."""
-    matrix = np.zeros((2 * len(places), 3))
-    matrix[0::2, 0] = matrix[1::2, 1] = 1.0
-    matrix[0::2, 2], matrix[1::2, 2] = -places[:, 1], places[:, 0]
+def _matrix(phi: Array, places: Array) -> Array:
+    """(2k, 3) from a body motion to what the mice see of it, each in its own axes [m]."""
+    c, s = np.cos(phi), np.sin(phi)
+    matrix = np.empty((2 * len(phi), 3))
+    matrix[0::2] = np.stack([c, s, s * places[:, 0] - c * places[:, 1]], axis=-1)
+    matrix[1::2] = np.stack([-s, c, c * places[:, 0] + s * places[:, 1]], axis=-1)
     return matrix
-
-
-def _rigid(seen: Array, places: Array, sigma: Array) -> tuple[Array, Array]:
-    """(N, 3) body motion that fits best what all mice saw, and (k, 2) what of their totals it leaves over."""
-    k = len(places)
-    matrix, weight = _matrix(places), np.repeat(1.0 / sigma, 2)
-    inverse = np.linalg.pinv(matrix * weight[:, None]) * weight
-    moved = seen.reshape(len(seen), 2 * k) @ inverse.T
-    return moved, seen.sum(axis=0) - (matrix @ moved.sum(axis=0)).reshape(k, 2)
-
-
-def _translation(seen: Array, places: Array, sigma: Array, turns: Array) -> tuple[Array, Array]:
-    """The same where the turns (N,) of the samples are given."""
-    lever = np.stack([-places[:, 1], places[:, 0]], axis=-1)
-    centre = seen - turns[:, None, None] * lever
-    moved = np.einsum("k,nkj->nj", sigma**-2 / np.sum(sigma**-2), centre)
-    return np.column_stack([moved, turns]), centre.sum(axis=0) - moved.sum(axis=0)
-
-
-def _spread(places: Array, sigma: Array, blind: bool) -> Array:
-    """(3,) variance of the motion that comes of the mice; x and y alike, since a run may turn one into the other."""
-    if blind:
-        return np.array([*[1.0 / np.sum(sigma**-2)] * 2, 0.0])
-    weighted = _matrix(places) / np.repeat(sigma, 2)[:, None]
-    x, y, turn = np.diag(np.linalg.pinv(weighted.T @ weighted))
-    return np.array([0.5 * (x + y), 0.5 * (x + y), turn])
 
 
 def _share(run: MouseRun) -> Array:

@@ -21,7 +21,7 @@ Kind = Literal["spin", "ahead", "back", "left", "right", "track"]
 KINDS: tuple[Kind, ...] = ("spin", "ahead", "back", "left", "right", "track")
 DIRECTIONS: dict[str, float] = {"ahead": 0.0, "back": math.pi, "left": 0.5 * math.pi, "right": -0.5 * math.pi}  # rad
 _CLOSED = 0.5  # |1 - exp(i turn)| below which a spin comes back on itself and its end says nothing of its centre
-_MOST = 4096  # samples of a run that are kept apart; 5 turns in so many pieces are 0.4 deg each
+_MOST = 1024  # samples of a run that are kept apart; 5 turns in so many pieces are 2 deg each
 _PIECES, _FEWEST = 40, 8  # of a run with a track, and samples in one of them
 
 
@@ -81,7 +81,7 @@ class MouseRun:
         counts: (N, k, 2) that each mouse counted since the sample before, in its own axes.
         measured: what is known of the run.
         way: (k,) counts along the way, the sum of the samples' lengths.
-        square: (k,) sum of the samples' squared lengths [counts^2], for noise that grows with the way.
+        squares: (N, k, 2) squared counts, for noise that grows with the way; where samples were added up, their sum.
     """
 
     name: str
@@ -89,12 +89,11 @@ class MouseRun:
     counts: Array
     measured: tuple[Measured, ...]
     way: Array = field(init=False)
-    square: Array = field(init=False)
+    squares: Array = field(init=False)
 
     def __post_init__(self) -> None:
-        squares = np.sum(self.counts**2, axis=-1)
-        object.__setattr__(self, "way", np.sqrt(squares).sum(axis=0))
-        object.__setattr__(self, "square", squares.sum(axis=0))
+        object.__setattr__(self, "way", np.hypot(self.counts[..., 0], self.counts[..., 1]).sum(axis=0))
+        object.__setattr__(self, "squares", _merged(self.counts**2))
         object.__setattr__(self, "counts", _merged(self.counts))
 
     @property
