@@ -23,13 +23,14 @@ def tick(obs, memory, params, estimate):  # type: ignore[no-untyped-def]
     dt = min(dt, _LONGEST_S) if timed else 0.0
     read(obs, memory, params, dt)
     if memory[st.STARTED] == 0.0:
-        memory[st.STARTED] = 1.0
+        memory[st.STARTED] = memory[st.FRESH] = 1.0
         tell(memory, health.suspects(params, memory), estimate)
         return
     settled = st.fit_tick(params, memory, dt)
     fill(memory, params)
     gather(memory, params, dt)
     if health.judge(params, memory, dt):
+        memory[st.FRESH] = 1.0
         settled = st.fit_tick(params, memory, dt)
     slip(memory, params)
     grow(memory, params, dt, settled)
@@ -92,6 +93,7 @@ def gather(memory, params, dt):  # type: ignore[no-untyped-def]
             memory[m + st.SUM + i] = keep * memory[m + st.SUM + i] + memory[m + st.Z + i]
             said = max(said, abs(eq.row(params, b + tb.H + 3 * i, motion)))
         memory[m + st.WAY] = keep * memory[m + st.WAY] + way
+        memory[m + st.SILENT] = memory[m + st.SILENT] + dt if way == 0.0 else 0.0
         memory[m + st.NOISE] = keep * keep * memory[m + st.NOISE] + st.noise(params, b, max(way, said), dt)
 
 
@@ -119,9 +121,11 @@ def grow(memory, params, dt, settled):  # type: ignore[no-untyped-def]
     carry(covariance, heading, motion)
     g = levers(heading, motion)
     set_all(counts, 0.0)
+    # the part of a count with which the sensors in use began stays for good
+    c, s = math.cos(heading), math.sin(heading)
     coarse = 0.0
-    for s in range(int(params[st.SENSORS])):
-        b, m = st.TABLE + s * tb.BLOCK, st.STATES + s * st.STATE
+    for k in range(int(params[st.SENSORS])):
+        b, m = st.TABLE + k * tb.BLOCK, st.STATES + k * st.STATE
         if memory[m + st.OUT] != 0.0 or memory[m + st.READ] == 0.0:
             continue
         quantum = params[b + tb.QUANTUM]
@@ -132,6 +136,9 @@ def grow(memory, params, dt, settled):  # type: ignore[no-untyped-def]
             x, y, turn = eq.back(normal, params, at, length, 1.0 / size)
             spread(covariance, g, st.noise(params, b, eq.row(params, at, motion), dt), x, y, turn)
             add(counts, quantum * quantum / 12.0, x, y, turn)
+            if memory[st.FRESH] != 0.0:
+                add(covariance, quantum * quantum / 12.0, c * x - s * y, s * x + c * y, turn)
+    memory[st.FRESH] = 0.0
     turn_of_counts(covariance, counts[8], coarse, g, motion)
     if not settled:
         for i in range(3):

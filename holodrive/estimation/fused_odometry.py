@@ -47,8 +47,8 @@ class FusedOdometry:
     wheel_noise: float = 0.05
     gyro_noise: float | None = None
     way_noise: float = 1e-4
-    twist_s: float = 0.03
-    tolerance: float = 0.05
+    twist_s: float = 0.01
+    tolerance: float = 0.07
     gate: float = 3.0
     horizon_s: float = 0.1
     trust_s: float = 0.3

@@ -23,7 +23,7 @@ class MouseCorrected:
         twist_s: time constant of the filter on the twist [s]; 0 for none.
     """
 
-    twist_s: float = 0.03
+    twist_s: float = 0.01
 
     kernel: ClassVar[Any]
 

@@ -37,7 +37,8 @@ TRIAL = 32  # 3: scratch
 NORMAL = 35  # eq.SIZE
 SUMS_NORMAL = NORMAL + eq.SIZE  # eq.SIZE
 COUNTS = SUMS_NORMAL + eq.SIZE  # 9: covariance of what counts have not told yet, base_link
-STATES = COUNTS + 9
+FRESH = COUNTS + 9  # 1 when other sensors than before begin to tell
+STATES = FRESH + 1
 
 # --- state of one sensor ----------------------------------------------------------------------------
 Z = 0  # 2: of this tick [m]
@@ -48,7 +49,10 @@ READ = 6  # 1 when this tick brought a reading
 OUT = 7  # 1 while it is left out
 GOOD = 8  # s for which it agreed while it moved
 OLD, OLD_STEER = 9, 10  # rad
-STATE = 11
+SILENT = 11  # s since it told anything but zero
+STATE = 12
+
+NOBODY, WHEELS_ALL = -1, -2  # beside the number of a sensor, as answers to who is wrong
 
 
 @leaf
@@ -73,11 +77,20 @@ def sum_variance(params, memory, s):  # type: ignore[no-untyped-def]
 
 
 @leaf
+def left_out(params, memory, s, without, back):  # type: ignore[no-untyped-def]
+    """Whether sensor `s` does not count when `without` (one, or WHEELS_ALL, or NOBODY) is left out and `back` is in."""
+    if s == without or (memory[STATES + s * STATE + OUT] != 0.0 and s != back):
+        return True
+    kind = params[TABLE + s * tb.BLOCK + tb.KIND]
+    return without == WHEELS_ALL and kind in (tb.WHEEL, tb.MODULE)
+
+
+@leaf
 def row_count(params, memory, without):  # type: ignore[no-untyped-def]
     """Rows of the trusted sensors."""
     rows = 0
     for s in range(int(params[SENSORS])):
-        if s != without and memory[STATES + s * STATE + OUT] == 0.0:
+        if not left_out(params, memory, s, without, -1):
             rows += int(params[TABLE + s * tb.BLOCK + tb.ROWS])
     return rows
 
@@ -129,7 +142,7 @@ def fit_sums(params, memory, without, back, out):  # type: ignore[no-untyped-def
     eq.clear(normal)
     for s in range(int(params[SENSORS])):
         b, m = TABLE + s * tb.BLOCK, STATES + s * STATE
-        if s == without or (memory[m + OUT] != 0.0 and s != back):
+        if left_out(params, memory, s, without, back):
             continue
         weight = 1.0 / sum_variance(params, memory, s)
         for i in range(int(params[b + tb.ROWS])):
@@ -142,8 +155,7 @@ def cost(params, memory, without, back, motion):  # type: ignore[no-untyped-def]
     """Chi-square of the same sums about that motion."""
     total = 0.0
     for s in range(int(params[SENSORS])):
-        m = STATES + s * STATE
-        if s == without or (memory[m + OUT] != 0.0 and s != back):
+        if left_out(params, memory, s, without, back):
             continue
         total += square(params, memory, s, motion) / sum_variance(params, memory, s)
     return total
