@@ -11,7 +11,6 @@ from holodrive.cli.compiling import compiling
 from holodrive.cli.options import (
     checked_ending,
     out_option,
-    plant_option,
     quantity_of,
     robot_argument,
     seed_option,
@@ -46,10 +45,14 @@ _SHOWN = 0.05  # of a parameter: runs that tell less of it are not named
 @click.option("--angle", metavar="ANGLE", help="Accuracy of turns (standard deviation); 0.5 deg.")
 @click.option("--centre", metavar="LENGTH", help="How far beside its centre it may have turned, unmeasured; 5 mm.")
 @click.option("--per-axis", is_flag=True, help="Tell the scales of a mouse's two axes apart.")
-@plant_option
+@click.option(
+    "--plant",
+    type=click.Choice(["first_order", "slip", "pwm_map"]),
+    help="Of the simulated robot; pwm_map where its file has a [pwm_map], else first_order.",
+)
 @seed_option
 @set_option
-@click.option("--save-runs", metavar="RUNS.csv", type=click.Path(), help="Write the simulated runs as CSV.")
+@click.option("--csv", "csv_path", metavar="RUNS.csv", type=click.Path(), help="Write the simulated runs as CSV.")
 @click.option("--write", is_flag=True, help="Write into ROBOT's own file.")
 @out_option("Write ROBOT's file with the new numbers (TOML), comments kept.")
 def command(out: Output, robot: str, runs: str | None, **options: Any) -> int:
@@ -65,8 +68,8 @@ def command(out: Output, robot: str, runs: str | None, **options: Any) -> int:
     overrides, params = split_settings(options["settings"])
     if params:
         raise InputError("no controller steers a calibration: --set takes keys of the robot's file here")
-    if runs and (options["save_runs"] or overrides):
-        raise InputError("--save-runs and --set go with simulated runs; leave RUNS out")
+    if runs and (options["csv_path"] or options["plant"] or overrides):
+        raise InputError("the runs come from a file or from a simulated robot: RUNS, or --csv, --plant and --set")
     own = hd.load(robot)
     length = _length(options["length"], "--length")
     accuracy = _accuracy(options)
@@ -94,7 +97,7 @@ def _target(robot: str, options: dict[str, Any]) -> Path | None:
     from holodrive.robots.files import CATALOG
 
     checked_ending(options["path"], "--out", ".toml")
-    checked_ending(options["save_runs"], "--save-runs", ".csv")
+    checked_ending(options["csv_path"], "--csv", ".csv")
     if options["write"] and options["path"]:
         raise InputError("--write changes ROBOT's own file, --out writes another: give one of them")
     if options["write"] and not robot.endswith(".toml"):
@@ -102,8 +105,10 @@ def _target(robot: str, options: dict[str, Any]) -> Path | None:
     target = Path(robot) if options["write"] else Path(options["path"]) if options["path"] else None
     if target is not None and target.resolve().parent == CATALOG.resolve():
         raise InputError(f"{target} lies in the catalog, which stays as it is: write a file of your own, -o NEW.toml")
-    if target is not None and not options["write"] and target.exists():
-        raise InputError(f"{target} is there already and is not written over; choose another name, or --write")
+    for option, file in (("-o", options["path"]), ("--csv", options["csv_path"])):
+        if file and Path(file).exists():
+            own = " (--write changes ROBOT's own file)" if option == "-o" else ""
+            raise InputError(f"{option} {file}: there is such a file already; choose another name{own}")
     return target
 
 
@@ -130,16 +135,16 @@ def _driven(
             turns=turns,
             length_m=length_m,
             accuracy=exact,
-            plant=options["plant"],
+            plant=options["plant"] or ("pwm_map" if robot.pwm_map else "first_order"),
             seed=options["seed"],
             progress=progress,
         )
-    if options["save_runs"]:
+    if options["csv_path"]:
         rows = [(each.move.name, each.move.kind, each.time, each.counts) for each in driven]
         ends: dict[str, tuple[float, float, float]] = {each.move.name: each.stand for each in driven}
         from holodrive.files.edit import save
 
-        save(options["save_runs"], mouse_csv.write_csv(rows, [mouse.name for mouse in robot.mice], ends, exact))
+        save(options["csv_path"], mouse_csv.write_csv(rows, [mouse.name for mouse in robot.mice], ends, exact))
     return [mouse_moves.run_of(each, exact) for each in driven]
 
 
@@ -181,8 +186,8 @@ def _say(out: Output, own: "Robot", found: "MiceCalibration", options: dict[str,
         out.line("!", "not told without this run")
     for note in found.notes:
         out.line("note", note)
-    if options["save_runs"]:
-        out.line("runs", options["save_runs"])
+    if options["csv_path"]:
+        out.line("runs", options["csv_path"])
     if target is not None:
         out.line("file", str(target))
 
