@@ -102,14 +102,18 @@ def _bearing_note(m: Moment, away: tuple[float, float], bearing: float) -> str:
 
 def _misprint(number: Number, output: float, gain: float) -> Number:
     """The same number with its own equation worked out, and the swapped digits that explain it."""
-    note = f"{output:g} × ({gain:g}) = {number.stepwise:.2f}; unrounded {number.exact:.2f}".replace("-", "−")
+    note = f"{_product(output, gain)} = {number.stepwise:.2f}; unrounded {number.exact:.2f}".replace("-", "−")
     swapped = math.copysign(float(f"0.{f'{abs(gain):.2f}'[:1:-1]}"), gain)
     if abs(output * swapped - number.printed) <= 0.005:
-        note += f"; the printed value is {output:g} × ({swapped:g}): digits of the gain swapped".replace("-", "−")
+        note += f"; the printed value is {_product(output, swapped)}: digits of the gain swapped".replace("-", "−")
     elif sorted(f"{abs(number.printed):.2f}") == sorted(f"{abs(number.stepwise):.2f}"):
         note += "; digits of the result swapped"
     return Number(number.where, number.what, number.printed, number.stepwise, number.exact, number.digits,
                   number.unit, note)  # fmt: skip
+
+
+def _product(output: float, gain: float) -> str:
+    return f"{output:g} × ({gain:g})" if gain < 0.0 else f"{output:g} × {gain:g}"
 
 
 def _rounding(n: Number) -> str:
