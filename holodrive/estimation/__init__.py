@@ -7,8 +7,11 @@ from holodrive.errors import InputError, UnknownName
 
 if TYPE_CHECKING:
     from holodrive.estimation.evaluation import Evaluation, Medians, evaluate, medians
+    from holodrive.estimation.fused_odometry import FusedOdometry
     from holodrive.estimation.kernel import KernelEstimator
+    from holodrive.estimation.mouse_corrected import MouseCorrected
     from holodrive.estimation.mouse_odometry import MouseOdometry
+    from holodrive.estimation.mouse_printed import MousePrinted
     from holodrive.estimation.odometry import Odometry, track
     from holodrive.estimation.wheel_odometry import WheelOdometry
     from holodrive.interfaces import Estimator, Plug
@@ -25,6 +28,9 @@ ESTIMATORS: dict[str, str] = {
 # Numba and all that needs it is imported when it is first asked for
 _WHERE = {
     "Evaluation": "holodrive.estimation.evaluation",
+    "FusedOdometry": "holodrive.estimation.fused_odometry",
+    "MouseCorrected": "holodrive.estimation.mouse_corrected",
+    "MousePrinted": "holodrive.estimation.mouse_printed",
     "KernelEstimator": "holodrive.estimation.kernel",
     "Medians": "holodrive.estimation.evaluation",
     "MouseOdometry": "holodrive.estimation.mouse_odometry",
@@ -99,9 +105,12 @@ def __getattr__(name: str) -> Any:
 __all__ = [
     "ESTIMATORS",
     "Evaluation",
+    "FusedOdometry",
     "KernelEstimator",
     "Medians",
+    "MouseCorrected",
     "MouseOdometry",
+    "MousePrinted",
     "Odometry",
     "WheelOdometry",
     "default_name",

@@ -35,7 +35,7 @@ def tick(obs, memory, params, estimate):  # type: ignore[no-untyped-def]
     slip(memory, params)
     grow(memory, params, dt, settled)
     advance(memory[:3], memory[st.DISPLACEMENT : st.DISPLACEMENT + 3])
-    follow(memory, params, dt, settled)
+    follow(memory, params, dt)
     tell(memory, health.suspects(params, memory), estimate)
 
 
@@ -88,13 +88,15 @@ def gather(memory, params, dt):  # type: ignore[no-untyped-def]
     for s in range(int(params[st.SENSORS])):
         b, m = st.TABLE + s * tb.BLOCK, st.STATES + s * st.STATE
         way = math.hypot(memory[m + st.Z], memory[m + st.Z + 1])
-        said = 0.0
+        due = 0.0
         for i in range(int(params[b + tb.ROWS])):
             memory[m + st.SUM + i] = keep * memory[m + st.SUM + i] + memory[m + st.Z + i]
-            said = max(said, abs(eq.row(params, b + tb.H + 3 * i, motion)))
+            due = math.hypot(due, eq.row(params, b + tb.H + 3 * i, motion))
+        due = max(due, way)
         memory[m + st.WAY] = keep * memory[m + st.WAY] + way
+        memory[m + st.DUE] = keep * memory[m + st.DUE] + due
         memory[m + st.SILENT] = memory[m + st.SILENT] + dt if way == 0.0 else 0.0
-        memory[m + st.NOISE] = keep * keep * memory[m + st.NOISE] + st.noise(params, b, max(way, said), dt)
+        memory[m + st.NOISE] = keep * keep * memory[m + st.NOISE] + st.noise(params, b, due, dt)
 
 
 @leaf
@@ -132,7 +134,7 @@ def grow(memory, params, dt, settled):  # type: ignore[no-untyped-def]
         coarse = max(coarse, quantum)
         for i in range(int(params[b + tb.ROWS])):
             at = b + tb.H + 3 * i
-            size = st.variance(params, b, eq.row(params, at, memory[st.LAST : st.LAST + 3]), dt) + 1e-18
+            size = st.variance(params, b, eq.row(params, at, memory[st.WEIGHED : st.WEIGHED + 3]), dt)
             x, y, turn = eq.back(normal, params, at, length, 1.0 / size)
             spread(covariance, g, st.noise(params, b, eq.row(params, at, motion), dt), x, y, turn)
             add(counts, quantum * quantum / 12.0, x, y, turn)
@@ -160,8 +162,8 @@ def turn_of_counts(covariance, variance, coarse, g, motion):  # type: ignore[no-
 
 
 @leaf
-def follow(memory, params, dt, settled):  # type: ignore[no-untyped-def]
-    """The twist, filtered, and what the next tick needs of this one."""
+def follow(memory, params, dt):  # type: ignore[no-untyped-def]
+    """The twist, filtered, for others and to go on with."""
     if dt > 0.0:
         share = 1.0 - math.exp(-dt / params[st.TWIST_S]) if params[st.TWIST_S] > 0.0 else 1.0
         slow = 1.0 - math.exp(-dt / params[st.HORIZON_S])
@@ -169,8 +171,6 @@ def follow(memory, params, dt, settled):  # type: ignore[no-untyped-def]
             rate = memory[st.DISPLACEMENT + i] / dt
             memory[st.TWIST + i] += share * (rate - memory[st.TWIST + i])
             memory[st.COAST + i] += slow * (rate - memory[st.COAST + i])
-    for i in range(3):
-        memory[st.LAST + i] = memory[st.DISPLACEMENT + i]
 
 
 @leaf

@@ -45,7 +45,7 @@ def mice_of(robot: "Robot", who: str, at_least: int = 2) -> "tuple[Mouse, ...]":
     """
     if len(robot.mice) < at_least:
         raise InputError(
-            f"{who} needs {at_least} mice, {robot.name} has {len(robot.mice)}; "
+            f"{who} needs {at_least} {'mouse' if at_least == 1 else 'mice'}, {robot.name} has {len(robot.mice)}; "
             "add [sensor.mouse.NAME] with its mount to the robot's file"
         )
     for mouse in robot.mice:

@@ -27,7 +27,7 @@ STARTED = 3
 TWIST = 4  # 3: filtered
 COVARIANCE = 7  # 9: what has been gathered, without the counts not told yet
 DISPLACEMENT = 16  # 3: of this tick, base_link
-LAST = 19  # 3: of the tick before
+WEIGHED = 19  # 3: displacement that the variances of this tick follow from
 COAST = 22  # 3: twist to go on with where nobody tells
 SLIP, DOUBT = 25, 26  # m/s; s for which a contradiction that nobody can lay to one sensor stays told
 WINDOW = 27  # s of way that the sums hold
@@ -50,8 +50,10 @@ OUT = 7  # 1 while it is left out
 GOOD = 8  # s for which it agreed while it moved
 OLD, OLD_STEER = 9, 10  # rad
 SILENT = 11  # s since it told anything but zero
-STATE = 12
+DUE = 12  # m that it told or should have, whichever is more: what it may be wrong by follows from that
+STATE = 13
 
+_LEAST = 1e-18  # m^2: no sensor is perfect
 NOBODY, WHEELS_ALL = -1, -2  # beside the number of a sensor, as answers to who is wrong
 
 
@@ -59,7 +61,7 @@ NOBODY, WHEELS_ALL = -1, -2  # beside the number of a sensor, as answers to who 
 def variance(params, b, way, dt):  # type: ignore[no-untyped-def]
     """Of one row of the sensor at params[b] in one tick [m^2]."""
     counts = params[b + tb.QUANTUM] * params[b + tb.QUANTUM] / 6.0
-    return counts + noise(params, b, way, dt)
+    return counts + noise(params, b, way, dt) + _LEAST
 
 
 @leaf
@@ -72,8 +74,8 @@ def noise(params, b, way, dt):  # type: ignore[no-untyped-def]
 def sum_variance(params, memory, s):  # type: ignore[no-untyped-def]
     """Of the sums of sensor `s` [m^2], and never nothing."""
     b, m = TABLE + s * tb.BLOCK, STATES + s * STATE
-    counts, wrong = params[b + tb.QUANTUM] ** 2 / 6.0, params[b + tb.TOLERANCE] * memory[m + WAY]
-    return counts + memory[m + NOISE] + wrong * wrong + 1e-18
+    counts, wrong = params[b + tb.QUANTUM] ** 2 / 6.0, params[b + tb.TOLERANCE] * memory[m + DUE]
+    return counts + memory[m + NOISE] + wrong * wrong + _LEAST
 
 
 @leaf
@@ -99,14 +101,23 @@ def row_count(params, memory, without):  # type: ignore[no-untyped-def]
 def fit_tick(params, memory, dt):  # type: ignore[no-untyped-def]
     """The displacement of this tick by the trusted sensors that were read, into `DISPLACEMENT`.
 
-    A variance follows from the motion of the tick before: by what a sensor reads now, it would weigh more whenever
-    it happens to read less.
+    Twice, for the variances follow from the motion: first from that of the tick before, then from what the first
+    found. By what a sensor reads itself it would weigh more whenever it happens to read less.
 
     Returns:
         Whether they tell all three motions; if not, what they leave open goes on as it went, and dies away.
     """
+    fit_once(params, memory, dt)
+    for i in range(3):
+        memory[WEIGHED + i] = memory[DISPLACEMENT + i]
+    return fit_once(params, memory, dt)
+
+
+@leaf
+def fit_once(params, memory, dt):  # type: ignore[no-untyped-def]
+    """The same with the variances of the motion `WEIGHED`."""
     normal, length = memory[NORMAL : NORMAL + eq.SIZE], params[LENGTH]
-    last, out = memory[LAST : LAST + 3], memory[DISPLACEMENT : DISPLACEMENT + 3]
+    motion, out = memory[WEIGHED : WEIGHED + 3], memory[DISPLACEMENT : DISPLACEMENT + 3]
     eq.clear(normal)
     for s in range(int(params[SENSORS])):
         b, m = TABLE + s * tb.BLOCK, STATES + s * STATE
@@ -114,8 +125,8 @@ def fit_tick(params, memory, dt):  # type: ignore[no-untyped-def]
             continue
         for i in range(int(params[b + tb.ROWS])):
             at = b + tb.H + 3 * i
-            size = variance(params, b, eq.row(params, at, last), dt) + 1e-18
-            eq.take(normal, params, at, length, memory[m + Z + i], 1.0 / size)
+            weight = 1.0 / variance(params, b, eq.row(params, at, motion), dt)
+            eq.take(normal, params, at, length, memory[m + Z + i], weight)
     if eq.solve(normal, length, out):
         return True
     # a unit row for each motion: what the readings tell outweighs it by far

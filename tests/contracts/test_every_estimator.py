@@ -108,7 +108,7 @@ def test_a_robot_without_the_sensors_is_refused_in_one_clear_line(name: str) -> 
     """Neither encoders nor mice: no estimator can say anything."""
     whole = robots.load("omni3")
     blind = replace(whole, wheels=tuple(replace(wheel, encoder=None) for wheel in whole.wheels), mice=())
-    with pytest.raises(InputError, match=r"(mice|encoder)") as refused:
+    with pytest.raises(InputError, match=r"(mouse|mice|encoder)") as refused:
         estimation.plug(name).pack(blind)
     assert "\n" not in str(refused.value)
 
