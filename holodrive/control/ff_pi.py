@@ -5,7 +5,7 @@
     c_i = w_i + kp (n_i - m_i) + I_i                                n: nominal wheel that follows w with lag and delay
     I_i' = ki (n_i - m_i)                                           m: the wheel as it is measured
 
-A wheel with an encoder is measured by it; one without, by the estimate's twist through the inverse kinematics. The
+A wheel with an encoder is measured by it; one without, by the estimate's motion through the inverse kinematics. The
 error is taken from the nominal wheel, not from w, so that a wheel which lags as it should is left alone. What is wrong
 with an actuator (a linearizer for another voltage, friction) turns its sign with the wheel and differs between
 directions, so each wheel has an integral for each direction; the first time round it begins as the mirror of the other.
@@ -46,10 +46,13 @@ from holodrive.types import Array
 _MODEL = pose_loop.LOOP
 _WHEEL_KP = _MODEL + wheel_model.MODEL
 (_WHEEL_KI, _FILTER, _SHARE, _STILL, _KIN) = range(_WHEEL_KP + 1, _WHEEL_KP + 6)
-# memory: pose loop, ticks so far, scratch, command step, scratch (n), ways of the wheels (n), wheels, wheel model
+# memory: pose loop, ticks so far, displacement to come, poses, command step, scratch (n), ways of the wheels (n),
+# wheels, wheel model
 _TICKS = pose_loop.MEMORY
 _AHEAD = _TICKS + 1
-_PIPE = _AHEAD + 3
+_TWIST = _AHEAD + 3  # measured
+_LAST = _TWIST + 3  # pose at the tick before
+_PIPE = _LAST + 3
 # of one wheel: integrals forward and backward [rad/s], whether each has begun, nominal and measured speed, filtered
 PER_WHEEL = 6
 (_BEGUN, _NOMINAL, _MEASURED) = (2, 4, 5)
@@ -74,10 +77,12 @@ def ff_pi_kernel(obs, memory, params, command):  # type: ignore[no-untyped-def]
     wheels_at = angles_at + 2 * n
     pipe, angles, ways = memory[_PIPE:angles_at], memory[angles_at : angles_at + n], memory[angles_at + n : wheels_at]
     wheels, state = memory[wheels_at : wheels_at + PER_WHEEL * n], memory[wheels_at + PER_WHEEL * n :]
-    steer_now, ahead = obs[layout.STEER : layout.STEER + m], memory[_AHEAD:_PIPE]
+    steer_now, ahead = obs[layout.STEER : layout.STEER + m], memory[_AHEAD:_TWIST]
+    twist = memory[_TWIST:_LAST]
+    wheel_model.measured_twist(obs, memory[_LAST:_PIPE], twist)
     if memory[_TICKS] > 0.0:
         wheel_model.model_step(kin, model, dt, state)
-        measure(kin, params[_FILTER], obs, state, wheels)
+        measure(kin, params[_FILTER], obs, twist, state, wheels)
     else:
         for j in range(m):
             pipe[kinematics.STEER + j] = steer_now[j]
@@ -85,12 +90,12 @@ def ff_pi_kernel(obs, memory, params, command):  # type: ignore[no-untyped-def]
     wheel_model.still_to_come(kin, model, dt, state, angles)
     forward_step(kin, angles, steer_now, ahead)
     rests = outer_loop(obs, params[:_MODEL], model[:2], ahead, memory[: pose_loop.MEMORY], command)
-    twist = command[layout.VALUE : layout.VALUE + 3]
+    want = command[layout.VALUE : layout.VALUE + 3]
     if rests:
-        twist[0] = twist[1] = twist[2] = 0.0
+        want[0] = want[1] = want[2] = 0.0
     speeds = command[layout.VALUE : layout.VALUE + n]
     steer = command[layout.COMMAND_STEER : layout.COMMAND_STEER + m]
-    scale = command_step(kin, twist, dt, pipe, speeds, steer)
+    scale = command_step(kin, want, dt, pipe, speeds, steer)
     wheel_model.remember(kin, model, speeds, state)
     free = trim_wheels(kin, params[_WHEEL_KP:_KIN], dt, wheels, speeds)
     hold_still(kin, params[_STILL], ways, speeds)
@@ -98,28 +103,30 @@ def ff_pi_kernel(obs, memory, params, command):  # type: ignore[no-untyped-def]
 
 
 @leaf
-def measure(kin, filter_s, obs, state, wheels):  # type: ignore[no-untyped-def]
+def measure(kin, filter_s, obs, twist, state, wheels):  # type: ignore[no-untyped-def]
     """Nominal and measured speed of each wheel over the tick that has passed, through the same low-pass."""
     new = -math.expm1(-obs[layout.DT] / filter_s) if filter_s > 0.0 else 1.0
     for i in range(int(kin[N_WHEELS])):
         at, encoder = PER_WHEEL * i, obs[layout.WHEEL_SPEED + i]
         nominal = state[wheel_model.PER_WHEEL * i + wheel_model.MEAN]
         wheels[at + _NOMINAL] += new * (nominal - wheels[at + _NOMINAL])
-        if math.isnan(encoder):
-            wheels[at + _MEASURED] += new * (speed_of_wheel(kin, i, obs) - wheels[at + _MEASURED])
-        else:
+        if not math.isnan(encoder):
             wheels[at + _MEASURED] = encoder  # the motor board has filtered it
+            continue
+        change = speed_of_wheel(kin, i, obs, twist) - wheels[at + _MEASURED]
+        if math.isfinite(change):
+            wheels[at + _MEASURED] += new * change
 
 
 @leaf
-def speed_of_wheel(kin, i, obs):  # type: ignore[no-untyped-def]
-    """Speed [rad/s] of a wheel by the estimate's twist."""
-    b, t = WHEELS + BLOCK * i, layout.TWIST
-    along = row(kin, b + ROWS, obs[t], obs[t + 1], obs[t + 2])
+def speed_of_wheel(kin, i, obs, twist):  # type: ignore[no-untyped-def]
+    """Speed [rad/s] of a wheel by the body's twist (3,), through the inverse kinematics."""
+    b = WHEELS + BLOCK * i
+    along = row(kin, b + ROWS, twist[0], twist[1], twist[2])
     j = int(kin[b + STEER_INDEX])
     if j < 0:
         return along
-    across, angle = row(kin, b + ROWS + 3, obs[t], obs[t + 1], obs[t + 2]), obs[layout.STEER + j]
+    across, angle = row(kin, b + ROWS + 3, twist[0], twist[1], twist[2]), obs[layout.STEER + j]
     return (math.cos(angle) * along + math.sin(angle) * across) / kin[b + RADIUS]
 
 
@@ -171,13 +178,13 @@ class FfPi:
 
     Attributes:
         kp, kp_theta: of the pose to come [1/s].
-        ki, ki_theta: of the same [1/s^2]; takes what no wheel knows of, such as a wrong radius.
+        ki, ki_theta: of the pose [1/s^2]; takes what no wheel knows of, such as a wrong radius.
         wheel_kp: of each wheel's speed [-].
         wheel_ki: [1/s].
-        wheel_filter_s: low-pass of the speed by the estimate's twist, for wheels without encoder, and of the nominal
+        wheel_filter_s: low-pass of the speed by the estimate's motion, for wheels without encoder, and of the nominal
             speed beside it; None takes that of the motor board's encoder speed.
         wheel_share: of a wheel's limit that its trim may add or take.
-        still_share: of a wheel's limit that it takes to start it, see `standstill`; 0 starts it for anything.
+        still_m_s: rim speed that it takes to start a wheel, see `standstill`; 0 starts it for anything.
         lag_s: of the wheels; None takes what the robot's file tells (`wheel_model.lag_of`).
         delay_s: from a command to its beginning to act, beside the tick for which it holds.
         max_speed_m_s, max_yaw_rate_rad_s: of the command; infinite takes what the slowest wheel's rim can do.
@@ -185,15 +192,15 @@ class FfPi:
         rest_m, rest_rad: how near the wheels are let alone at a reference that rests; three times that wakes them.
     """
 
-    kp: float = 8.0
-    kp_theta: float = 8.0
+    kp: float = 5.0
+    kp_theta: float = 5.0
     ki: float = 0.5
     ki_theta: float = 0.5
-    wheel_kp: float = 0.3
+    wheel_kp: float = 0.5
     wheel_ki: float = 5.0
     wheel_filter_s: float | None = None
     wheel_share: float = 0.5
-    still_share: float = 0.01
+    still_m_s: float = 0.001
     lag_s: float | None = None
     delay_s: float = 0.0
     max_speed_m_s: float = math.inf
@@ -211,7 +218,7 @@ class FfPi:
             self,
             positive=("kp", "kp_theta", "max_speed_m_s", "max_yaw_rate_rad_s", "arrive_m", "arrive_rad"),
             not_negative=(
-                "ki", "ki_theta", "wheel_kp", "wheel_ki", "wheel_filter_s", "wheel_share", "still_share",
+                "ki", "ki_theta", "wheel_kp", "wheel_ki", "wheel_filter_s", "wheel_share", "still_m_s",
                 "lag_s", "delay_s", "rest_m", "rest_rad",
             ),
         )  # fmt: skip
@@ -230,5 +237,5 @@ class FfPi:
         )  # fmt: skip
         model = wheel_model.packed(robot, self.lag_s, self.delay_s)
         filter_s = robot.speed_loop.filter_s if self.wheel_filter_s is None else self.wheel_filter_s
-        gains = [self.wheel_kp, self.wheel_ki, filter_s, self.wheel_share, self.still_share]
+        gains = [self.wheel_kp, self.wheel_ki, filter_s, self.wheel_share, self.still_m_s]
         return np.concatenate([loop, model, gains, kinematics.arrays(robot)])

@@ -20,7 +20,7 @@ import numpy as np
 from holodrive import geometry, layout
 from holodrive.control import wheel_model
 from holodrive.control.disturbance_observer import AHEAD, DISTURBANCE, Dob, foresee, to_wheels, wanted
-from holodrive.control.mpc import Horizon, Mpc
+from holodrive.control.mpc import Horizon, Mpc, limit_rows
 from holodrive.control.parameters import checked
 from holodrive.errors import InputError
 from holodrive.interfaces import CommandKind
@@ -35,6 +35,7 @@ BOUNDS: dict[str, tuple[float, float] | tuple[float, float, str]] = {
     "s_xy": (1e-5, 1.0, "log"),
     "s_theta": (1e-5, 1.0, "log"),
     "q_s": (0.02, 1.0, "log"),
+    "q_theta_s": (0.02, 1.0, "log"),
 }
 
 
@@ -79,8 +80,8 @@ class LtvMpc:
             see `Horizon`; far from all limits sqrt(q / r) is about the gain of the loop [1/s].
         accel_share: of the robot's acceleration limits that is planned with.
         max_iterations: of the solver, for one solution.
-        q_s, trust: of the disturbance observer, see `Dob`; a trust of 0 does without it.
-        still_share, lag_s, delay_s: of the wheels, see `Dob`.
+        q_s, q_theta_s, trust: of the disturbance observer, see `Dob`; a trust of 0 does without it.
+        still_m_s, lag_s, delay_s: of the wheels, see `Dob`.
         max_speed_m_s, max_yaw_rate_rad_s: while the MPC has no answer; its own limits are those of the wheels.
         arrive_m, arrive_rad: how near is there.
         rest_m, rest_rad: how near the wheels are let alone at a reference that rests.
@@ -90,15 +91,16 @@ class LtvMpc:
     dt_s: float = 0.05
     q_xy: float = 1.0
     q_theta: float = 0.25
-    r_xy: float = 0.01
-    r_theta: float = 0.0025
+    r_xy: float = 0.04
+    r_theta: float = 0.01
     s_xy: float = 0.001
     s_theta: float = 0.00025
     accel_share: float = 1.0
     max_iterations: int = 500
-    q_s: float = 0.1
+    q_s: float = 0.08
+    q_theta_s: float = 0.2
     trust: float = 0.5
-    still_share: float = 0.01
+    still_m_s: float = 0.001
     lag_s: float | None = None
     delay_s: float = 0.0
     max_speed_m_s: float = math.inf
@@ -125,9 +127,9 @@ class LtvMpc:
     def inner(self) -> Dob:
         """The observer and the wheels' model inside; it drives while the MPC has no answer."""
         return Dob(
-            kp=math.sqrt(self.q_xy / self.r_xy), kp_theta=math.sqrt(self.q_theta / self.r_theta), q_s=self.q_s,
-            trust=self.trust, still_share=self.still_share, lag_s=self.lag_s, delay_s=self.delay_s,
-            max_speed_m_s=self.max_speed_m_s, max_yaw_rate_rad_s=self.max_yaw_rate_rad_s,
+            kp=math.sqrt(self.q_xy / self.r_xy), kp_theta=math.sqrt(self.q_theta / self.r_theta),
+            q_s=self.q_s, q_theta_s=self.q_theta_s, trust=self.trust, still_m_s=self.still_m_s, lag_s=self.lag_s,
+            delay_s=self.delay_s, max_speed_m_s=self.max_speed_m_s, max_yaw_rate_rad_s=self.max_yaw_rate_rad_s,
             arrive_m=self.arrive_m, arrive_rad=self.arrive_rad, rest_m=self.rest_m, rest_rad=self.rest_rad,
         )  # fmt: skip
 
@@ -154,6 +156,7 @@ class LtvMpcController:
         self._mpc = Mpc(robot, horizon, int(plug.max_iterations))
         self._times: Array = plug.dt_s * np.arange(float(horizon.steps))
         self._lag = wheel_model.lag_of(robot) if plug.lag_s is None else plug.lag_s
+        self._limits = limit_rows(robot)
         self._params = plug.inner.pack(robot)
         self._memory = np.zeros(plug.inner.memory_size(robot))
         self._observation = empty_observation(robot.lidar.beams if robot.lidar else 0)
@@ -199,7 +202,7 @@ class LtvMpcController:
         before, after = np.split((poses + self._lag * velocities - here) @ turn, 2)
         moves = (after - before) / dt
         error = before[0] + np.array([0.0, 0.0, geometry.wrap(before[0, 2]) - before[0, 2]])
-        places = error + step * np.cumsum(moves, axis=0)
+        places = self._in_reach(error + step * np.cumsum(moves, axis=0))
         drift = np.stack([_rotation(angle) @ disturbance for angle in self._turns])
         plan = self._mpc.plan(
             places - step * np.cumsum(drift, axis=0),
@@ -217,6 +220,15 @@ class LtvMpcController:
         self._turns[:] = 0.0
         first, self._told = not self._told, True
         return f"MPC: {plan.why}; the pose loop drives until there is a plan again" if first else ""
+
+    def _in_reach(self, places: Array) -> Array:
+        """`places` (N, 3) from where the base is now, none farther than it can be by then.
+
+        What is out of reach is pulled in along its straight line: the program alone would go the way in which the
+        wheels make most of the distance, not the straight one.
+        """
+        loads = np.abs(places @ self._limits.T).max(axis=1) / (self._times + self.plug.dt_s)
+        return np.asarray(places / np.maximum(loads, 1.0)[:, None])
 
 
 def _turned(x: Array, y: Array, angle: Array) -> tuple[Array, Array]:

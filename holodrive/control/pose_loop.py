@@ -1,9 +1,9 @@
-"""The outer loop of the trackers that know their wheels' lag: feed-forward with lead, PI on the pose to come.
+"""The outer loop of the trackers that know their wheels' lag: feed-forward with lead, and a PI that looks ahead.
 
 With wheels that lag by tau and act after a delay d, the place z = p + tau v (v the twist, p the pose once all that is
 on its way has acted) moves as the command says, z' = u. So the reference is taken as far ahead,
 
-    z_r = r + (d + tau) r' + (d^2 / 2 + tau d) r'',    u = z_r' + kp (z_r - z) + ki int (z_r - z)
+    z_r = r + (d + tau) r' + (d^2 / 2 + tau d) r'',    u = z_r' + kp (z_r - z) + ki int (r - p)
 
 and the loop has no lag left to be unstable with: kp may be several times what it may be on the pose itself. All is
 resolved in the axes that the base is expected to have when the command acts.
@@ -22,7 +22,7 @@ from holodrive.types import Array
 
 LOOP = 10  # packed parameters
 (KP, KP_THETA, KI, KI_THETA, V_MAX, W_MAX, ARRIVE_M, ARRIVE_RAD, REST_M, REST_RAD) = range(LOOP)
-MEMORY = 7  # error (3) [m, m, rad] and its integral (3) in body axes; 1 while the base rests
+MEMORY = 7  # error of the pose (3) [m, m, rad] and its integral (3) in body axes; 1 while the base rests
 (ERROR, INTEGRAL, RESTING) = (0, 3, 6)
 _WAKES = 3.0  # how many times the error at which a base comes to rest it takes to wake it
 
@@ -70,10 +70,14 @@ def pose_loop(obs, loop, lead, ahead, memory, command):  # type: ignore[no-untyp
     fy = obs[layout.REF_TWIST + 1] + later * obs[layout.REF_ACCEL + 1]
     ft = obs[layout.REF_TWIST + 2] + later * obs[layout.REF_ACCEL + 2]
     c, s = math.cos(theta), math.sin(theta)
-    memory[ERROR], memory[ERROR + 1], memory[ERROR + 2] = c * ex + s * ey, c * ey - s * ex, et
-    command[0] = c * fx + s * fy + loop[KP] * memory[ERROR] + loop[KI] * memory[INTEGRAL]
-    command[1] = c * fy - s * fx + loop[KP] * memory[ERROR + 1] + loop[KI] * memory[INTEGRAL + 1]
+    ux, uy = fx + loop[KP] * ex, fy + loop[KP] * ey
+    command[0] = c * ux + s * uy + loop[KI] * memory[INTEGRAL]
+    command[1] = c * uy - s * ux + loop[KI] * memory[INTEGRAL + 1]
     command[2] = ft + loop[KP_THETA] * et + loop[KI_THETA] * memory[INTEGRAL + 2]
+    # what is on its way is a matter of the model; in the long run it is the pose itself that counts
+    ex, ey = obs[layout.REF_POSE] - obs[layout.POSE], obs[layout.REF_POSE + 1] - obs[layout.POSE + 1]
+    memory[ERROR], memory[ERROR + 1] = c * ex + s * ey, c * ey - s * ex
+    memory[ERROR + 2] = wrap(obs[layout.REF_POSE + 2] - obs[layout.POSE + 2])
     fast = max(math.hypot(command[0], command[1]) / loop[V_MAX], abs(command[2]) / loop[W_MAX])
     if fast > 1.0:
         for i in range(3):

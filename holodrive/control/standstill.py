@@ -4,25 +4,25 @@ A wheel that stands begins to turn when its command exceeds a threshold; one tha
 it. A command that would turn a wheel the other way first lets it stand. So a wheel does not dither about zero.
 """
 
-from holodrive.kinematics.kernel import BLOCK, MAX_SPEED, N_WHEELS, WHEELS
+from holodrive.kinematics.kernel import BLOCK, N_WHEELS, RADIUS, WHEELS
 from holodrive.leaf import leaf
 
 _KEEPS = 0.5  # of the threshold
 
 
 @leaf
-def hold_still(kin, share, ways, speeds):  # type: ignore[no-untyped-def]
+def hold_still(kin, still_m_s, ways, speeds):  # type: ignore[no-untyped-def]
     """Make commands below the threshold nothing.
 
     Args:
         kin: the robot (`kinematics.kernel.arrays`).
-        share: threshold as a part of each wheel's limit; 0 lets all pass.
+        still_m_s: threshold, rim speed; 0 lets all pass.
         ways: (n,) which way each wheel turns: -1, 0 or 1; kept from tick to tick.
         speeds: (n,) commands [rad/s]; NaN stays NaN.
     """
     for i in range(int(kin[N_WHEELS])):
         way = 1.0 if speeds[i] > 0.0 else -1.0
-        threshold = share * kin[WHEELS + BLOCK * i + MAX_SPEED]
+        threshold = still_m_s / kin[WHEELS + BLOCK * i + RADIUS]
         if way == ways[i]:
             threshold *= _KEEPS
         ways[i] = way

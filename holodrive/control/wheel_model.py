@@ -11,9 +11,10 @@ import math
 
 import numpy as np
 
+from holodrive import layout
 from holodrive.kinematics.kernel import N_WHEELS
 from holodrive.leaf import leaf
-from holodrive.robots.spec import Robot
+from holodrive.robots.spec import Robot, WheelSpec
 from holodrive.types import Array
 
 MODEL = 3  # packed parameters: lag [s], delay [s], room of the memory for commands [ticks]
@@ -41,13 +42,24 @@ def memory_size(robot: Robot, delay_s: float) -> int:
 def lag_of(robot: Robot) -> float:
     """Time constant [s] of the wheels, the slowest one's.
 
-    Where all wheels have encoders the speed loop of the motor board makes them faster, by 1 + kp; else it is what was
-    measured of the actuators, or what the motors' library says.
+    It is what was measured of the actuators, if anybody did; else what the motors' library says, or what the mass
+    that a wheel moves makes of its motor, whichever is slower: a lag that is taken too long costs speed, one that is
+    taken too short costs stability. The speed loop of the motor board makes wheels with encoders faster, by 1 + kp.
     """
-    lag = max(wheel.motor.lag_s for wheel in robot.wheels)
-    if all(wheel.encoder is not None for wheel in robot.wheels):
-        return lag / (1.0 + robot.speed_loop.kp)
-    return lag if robot.pwm_map is None else robot.pwm_map.lag_s
+    if robot.pwm_map is not None:
+        lag = robot.pwm_map.lag_s
+    else:
+        share_kg = robot.mass_kg / len(robot.wheels)
+        lag = max(max(wheel.motor.lag_s, _mechanical_lag(wheel, share_kg)) for wheel in robot.wheels)
+    looped = all(wheel.encoder is not None for wheel in robot.wheels)
+    return lag / (1.0 + robot.speed_loop.kp) if looped else lag
+
+
+def _mechanical_lag(wheel: WheelSpec, mass_kg: float) -> float:
+    """Time constant [s] of a DC motor that moves its own inertia and a mass by its wheel: J R / K^2."""
+    motor = wheel.motor
+    inertia = motor.inertia_kg_m2 + mass_kg * wheel.radius**2
+    return inertia * motor.resistance_ohm / (motor.efficiency * motor.back_emf_v_s_rad**2)
 
 
 @leaf
@@ -82,6 +94,28 @@ def lagged(speed, target, lag, time):  # type: ignore[no-untyped-def]
 
 
 @leaf
+def measured_twist(obs, last, twist):  # type: ignore[no-untyped-def]
+    """Mean body twist of the tick that has passed, by the believed poses at its ends; the pose is kept for the next.
+
+    The estimate's own twist is no measure for a model: estimators filter it, each in its own way.
+
+    Args:
+        obs: observation.
+        last: (3,) believed pose at the tick before; the present one afterwards.
+        twist: (3,) out [m/s, m/s, rad/s].
+    """
+    dt, p = obs[layout.DT], layout.POSE
+    dx, dy, turn = obs[p] - last[0], obs[p + 1] - last[1], obs[p + 2] - last[2]
+    half = 0.5 * turn
+    # the chord of an arc points half the turn ahead, and is shorter than the arc
+    stretch = half / math.sin(half) / dt if half != 0.0 else 1.0 / dt
+    c, s = math.cos(last[2] + half), math.sin(last[2] + half)
+    twist[0], twist[1], twist[2] = stretch * (c * dx + s * dy), stretch * (c * dy - s * dx), turn / dt
+    for i in range(3):
+        last[i] = obs[p + i]
+
+
+@leaf
 def remember(kin, model, speeds, memory):  # type: ignore[no-untyped-def]
     """Keep the commands (n,) of the tick that begins [rad/s]; those that are not finite count as none."""
     n = int(kin[N_WHEELS])
@@ -109,6 +143,7 @@ __all__ = [
     "PER_WHEEL",
     "lag_of",
     "lagged",
+    "measured_twist",
     "memory_size",
     "model_step",
     "packed",
