@@ -121,6 +121,7 @@ def test_no_command_asks_for_more_than_full_duty(printed):
 
 def test_a_duty_that_is_no_number_gives_no_speed(printed):
     assert math.isnan(speed_of(pack(keek(printed)), 0, 0, math.nan))
+    assert math.isnan(duty_of(pack(keek(printed)), 0, 0, math.nan))
 
 
 def test_curves_are_found_wherever_they_are_packed(printed):
