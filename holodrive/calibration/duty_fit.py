@@ -94,10 +94,12 @@ def fit(steps: Sequence[Step], counts: float = 255.0) -> CurveFit:
     v, noise = speed / _MM, np.array([s.spread_m_s for s in moving]) / _MM
     first = min(s.record.pwm for s in steps if s.moved)
     # a step that stood although a weaker one moved tells nothing of the dead zone
-    last = max((s.record.pwm for s in steps if not s.moved and s.record.pwm < first), default=0.0)
+    still = [s for s in steps if not s.moved and s.record.pwm < first]
+    last = max((s.record.pwm for s in still), default=0.0)
+    unseen = max((s.unseen_m_s for s in still if s.record.pwm == last), default=0.0) / _MM
     printed = cubic_of(v, pwm)
     top = float(v.max())
-    cubic = trimmed(v, pwm, noise, printed, last, first)
+    cubic = trimmed(v, pwm, noise, printed, last, first, unseen)
     points = monotone_points(pwm, v, last, first, counts)
     method: Method = "cubic" if _fits(cubic, pwm, v, noise, top) else "points"
     found = _speeds(cubic, pwm, 1.2 * top) if method == "cubic" else np.interp(pwm, points[:, 0], points[:, 1])
@@ -145,13 +147,16 @@ def cubic_of(v: Array, pwm: Array, weights: Array | None = None, offset: float |
     return c0, c1, c2, c3
 
 
-def trimmed(v: Array, pwm: Array, noise: Array, start: Cubic, last_still: float, first_moving: float) -> Cubic:
+def trimmed(
+    v: Array, pwm: Array, noise: Array, start: Cubic, last_still: float, first_moving: float, unseen: float = 0.0
+) -> Cubic:
     """(4,) the cubic whose residuals count as speed, with its offset between the last still and the first moving PWM.
 
     Args:
         v: (P,) speeds [mm/s]; pwm: (P,) counts; noise: (P,) standard error of each speed [mm/s].
         start: the plain least squares, to begin with.
         last_still, first_moving: PWM values.
+        unseen: speed that the last still step may have had without being seen [mm/s].
     """
     top = float(v.max())
     # never surer of one speed than of a thousandth of the range: noise is itself only estimated
@@ -161,7 +166,8 @@ def trimmed(v: Array, pwm: Array, noise: Array, start: Cubic, last_still: float,
         slope = np.maximum(c[1] + v * (2.0 * c[2] + v * 3.0 * c[3]), _SLOPE_FLOOR)
         weights = 1.0 / (slope * sigma)
         free = cubic_of(v, pwm, weights)
-        offset = min(max(free[0], last_still), first_moving)
+        least = max(0.0, last_still - max(free[1], 0.0) * unseen)
+        offset = min(max(free[0], least), first_moving)
         c = free if offset == free[0] else cubic_of(v, pwm, weights, offset)
     return c
 

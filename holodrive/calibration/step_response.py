@@ -34,6 +34,7 @@ class Step:
         speed_tail_m_s: slope of the tail [m/s]; NaN where motion was too short for one.
         spread_m_s: standard error of the tail's slope [m/s].
         settled: the slope does not change within the tail, beyond noise.
+        unseen_m_s: how fast a step that has not moved may have been [m/s]: three counts over its length.
     """
 
     record: StepRecord
@@ -45,6 +46,7 @@ class Step:
     speed_tail_m_s: float = 0.0
     spread_m_s: float = 0.0
     settled: bool = True
+    unseen_m_s: float = 0.0
 
 
 def speed_eq8(x_f: float, y_f: float, duration_s: float) -> float:
@@ -66,7 +68,7 @@ def analyse(record: StepRecord, resolution_m: float = 1e-5) -> Step:
     """
     travel, time = record.travel(), record.time
     if not travel[-1] > MOVED_COUNTS * resolution_m:
-        return Step(record, False)
+        return Step(record, False, unseen_m_s=MOVED_COUNTS * resolution_m / float(time[-1] - time[0]))
     still = np.flatnonzero(travel <= STARTED_COUNTS * resolution_m)
     last_still = int(still[-1]) if len(still) else 0
     last_still = min(last_still, len(time) - 2)

@@ -68,7 +68,7 @@ def test_noise_does_not_cost_the_bars(noisy: Calibration, key: tuple[str, str]) 
 def test_the_offset_is_trimmed_into_the_interval_of_the_dead_zone(noisy: Calibration) -> None:
     """Between the last PWM that stood and the first that moved, wherever the plain least squares puts it."""
     for one in noisy.fits:
-        assert one.last_still <= one.dead_zone <= one.first_moving
+        assert one.last_still - 0.1 <= one.dead_zone <= one.first_moving  # 0.1: what moves too slowly to be seen
         assert one.last_still == max(level for level in LEVELS if level < PRINTED[one.group, one.direction][0])
 
 

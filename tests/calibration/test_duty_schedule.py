@@ -134,7 +134,7 @@ def test_any_other_base_goes_wheel_by_wheel() -> None:
     for one in omni.fits:
         wheel = next(wheel for wheel in robot.wheels if wheel.name == one.group)
         assert one.top_m_s == pytest.approx(wheel.motor.no_load_speed_rad_s * wheel.radius, rel=0.01)
-        assert one.dead_zone < 2.0
+        assert one.dead_zone < 1.0
 
 
 def test_it_stops_by_itself_when_it_strays() -> None:
