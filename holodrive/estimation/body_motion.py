@@ -83,6 +83,7 @@ def fill(memory, params):  # type: ignore[no-untyped-def]
 def gather(memory, params, dt):  # type: ignore[no-untyped-def]
     """The sums that forget, with this tick."""
     keep = math.exp(-dt / params[st.HORIZON_S])
+    moved = st.moved_by(params, memory, st.DISPLACEMENT)
     memory[st.WINDOW] = keep * memory[st.WINDOW] + dt
     motion = memory[st.DISPLACEMENT : st.DISPLACEMENT + 3]
     for s in range(int(params[st.SENSORS])):
@@ -96,7 +97,7 @@ def gather(memory, params, dt):  # type: ignore[no-untyped-def]
         memory[m + st.WAY] = keep * memory[m + st.WAY] + way
         memory[m + st.DUE] = keep * memory[m + st.DUE] + due
         memory[m + st.SILENT] = memory[m + st.SILENT] + dt if way == 0.0 else 0.0
-        memory[m + st.NOISE] = keep * keep * memory[m + st.NOISE] + st.noise(params, b, due, dt)
+        memory[m + st.NOISE] = keep * keep * memory[m + st.NOISE] + st.noise(params, b, due, moved, dt)
 
 
 @leaf
@@ -123,6 +124,7 @@ def grow(memory, params, dt, settled):  # type: ignore[no-untyped-def]
     carry(covariance, heading, motion)
     g = levers(heading, motion)
     set_all(counts, 0.0)
+    moved, weighed = st.moved_by(params, memory, st.DISPLACEMENT), st.moved_by(params, memory, st.WEIGHED)
     # the part of a count with which the sensors in use began stays for good
     c, s = math.cos(heading), math.sin(heading)
     coarse = 0.0
@@ -134,9 +136,9 @@ def grow(memory, params, dt, settled):  # type: ignore[no-untyped-def]
         coarse = max(coarse, quantum)
         for i in range(int(params[b + tb.ROWS])):
             at = b + tb.H + 3 * i
-            size = st.variance(params, b, eq.row(params, at, memory[st.WEIGHED : st.WEIGHED + 3]), dt)
+            size = st.variance(params, b, eq.row(params, at, memory[st.WEIGHED : st.WEIGHED + 3]), weighed, dt)
             x, y, turn = eq.back(normal, params, at, length, 1.0 / size)
-            spread(covariance, g, st.noise(params, b, eq.row(params, at, motion), dt), x, y, turn)
+            spread(covariance, g, st.noise(params, b, eq.row(params, at, motion), moved, dt), x, y, turn)
             add(counts, quantum * quantum / 12.0, x, y, turn)
             if memory[st.FRESH] != 0.0:
                 add(covariance, quantum * quantum / 12.0, c * x - s * y, s * x + c * y, turn)

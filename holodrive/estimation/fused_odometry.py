@@ -38,7 +38,7 @@ class FusedOdometry:
     """Parameters of odometry by wheels and mice; also an estimator plug.
 
     Attributes:
-        wheel_noise: standard deviation of a wheel's angle after it turned by 1 rad [rad], as in `WheelOdometry`.
+        wheel_noise: standard deviation of a wheel's angle after the base moved by that wheel's radius [rad].
         gyro_noise: standard deviation of the gyro's heading after 1 s [rad]; None takes the robot's IMU.
         way_noise, twist_s, tolerance, gate, horizon_s, trust_s, coast_s: as in `MouseOdometry`.
         jump_factor: a reading that would need this many times the largest wheel speed is not believed.

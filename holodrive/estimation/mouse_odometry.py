@@ -43,8 +43,8 @@ class MouseOdometry:
     """Parameters of odometry by ground mice; also an estimator plug.
 
     Attributes:
-        way_noise: standard deviation of a mouse's way after 1 m [m], beside its counts and the relative noise of the
-            robot's file; grows with the square root of the way.
+        way_noise: standard deviation of a mouse's way after the base moved 1 m [m], beside its counts and the relative
+            noise of the robot's file; grows with the square root of the way.
         twist_s: time constant of the filter on the twist [s]; 0 for none. A count of 10 um in a tick of 15 ms is
             0.67 mm/s.
         tolerance: share of its way that a healthy mouse may be wrong by: calibration, and readings that are late.

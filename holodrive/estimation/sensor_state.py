@@ -53,21 +53,36 @@ SILENT = 11  # s since it told anything but zero
 DUE = 12  # m that it told or should have, whichever is more: what it may be wrong by follows from that
 STATE = 13
 
+_COUNTS_S = 1.0  # for how long counts are added up before they matter
 _LEAST = 1e-18  # m^2: no sensor is perfect
 NOBODY, WHEELS_ALL = -1, -2  # beside the number of a sensor, as answers to who is wrong
 
 
 @leaf
-def variance(params, b, way, dt):  # type: ignore[no-untyped-def]
-    """Of one row of the sensor at params[b] in one tick [m^2]."""
+def variance(params, b, way, moved, dt):  # type: ignore[no-untyped-def]
+    """Of one row of the sensor at params[b] in one tick [m^2], as it is worth in the long run.
+
+    A count not told now is told later, so that counts matter less the longer one adds up. Were they weighed as noise
+    of every tick, a slow robot would believe coarse noise that stays rather than fine counts that do not.
+    """
     counts = params[b + tb.QUANTUM] * params[b + tb.QUANTUM] / 6.0
-    return counts + noise(params, b, way, dt) + _LEAST
+    return min(1.0, dt / _COUNTS_S) * counts + noise(params, b, way, moved, dt) + _LEAST
 
 
 @leaf
-def noise(params, b, way, dt):  # type: ignore[no-untyped-def]
-    """The part of it that is not counts: it gathers from tick to tick [m^2]."""
-    return params[b + tb.RELATIVE] * way * way + params[b + tb.WALK] * abs(way) + params[b + tb.DRIFT] * dt
+def noise(params, b, way, moved, dt):  # type: ignore[no-untyped-def]
+    """The part of it that is not counts: it gathers from tick to tick [m^2].
+
+    Most of it goes with how far the base moved, not the sensor: rollers wander while their wheel stands, too, and
+    weights that hardly change from tick to tick let counts cancel.
+    """
+    return params[b + tb.RELATIVE] * way * way + params[b + tb.WALK] * moved + params[b + tb.DRIFT] * dt
+
+
+@leaf
+def moved_by(params, memory, at):  # type: ignore[no-untyped-def]
+    """How far the base moves by the displacement at memory[at], a turn counted with the length of a radian [m]."""
+    return math.hypot(memory[at], memory[at + 1]) + params[LENGTH] * abs(memory[at + 2])
 
 
 @leaf
@@ -118,6 +133,7 @@ def fit_once(params, memory, dt):  # type: ignore[no-untyped-def]
     """The same with the variances of the motion `WEIGHED`."""
     normal, length = memory[NORMAL : NORMAL + eq.SIZE], params[LENGTH]
     motion, out = memory[WEIGHED : WEIGHED + 3], memory[DISPLACEMENT : DISPLACEMENT + 3]
+    moved = moved_by(params, memory, WEIGHED)
     eq.clear(normal)
     for s in range(int(params[SENSORS])):
         b, m = TABLE + s * tb.BLOCK, STATES + s * STATE
@@ -125,7 +141,7 @@ def fit_once(params, memory, dt):  # type: ignore[no-untyped-def]
             continue
         for i in range(int(params[b + tb.ROWS])):
             at = b + tb.H + 3 * i
-            weight = 1.0 / variance(params, b, eq.row(params, at, motion), dt)
+            weight = 1.0 / variance(params, b, eq.row(params, at, motion), moved, dt)
             eq.take(normal, params, at, length, memory[m + Z + i], weight)
     if eq.solve(normal, length, out):
         return True

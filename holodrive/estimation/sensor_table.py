@@ -1,12 +1,11 @@
 """The sensors that tell a displacement, as one table for kernels: mice, wheels, gyro, each a row or two.
 
 All rows are in metres (a mouse's way, a wheel's rim, the gyro's turn times a length), so one solver and one judge of
-health serve them all. A sensor's variance for a way s in one tick is
+health serve them all. In a tick in which the sensor passes s and the base moves by m it gathers noise of the variance
 
-    quantum^2 / 6 + (relative s)^2 + walk |s| + drift dt
+    (relative s)^2 + walk m + drift dt
 
-Counts are carried on, so the error of two counts' difference is what a tick sees, and a sum of ticks is never more
-than one count wrong.
+and beside it is never more than one count wrong, however many ticks are added up, for counts are carried on.
 """
 
 import math
@@ -46,7 +45,7 @@ def of_mice(mice: "Sequence[Mouse]", way_noise: float, tolerance: float, reach_m
 
     Args:
         mice: k of them.
-        way_noise: standard deviation after 1 m of way [m].
+        way_noise: standard deviation after the base moved 1 m [m].
         tolerance: share of its way that a healthy one may be wrong by.
         reach_m_s: the fastest that one can go over the ground.
     """
@@ -71,7 +70,7 @@ def of_wheels(robot: "Robot", wheel_noise: float, jump_factor: float) -> Array:
 
     Args:
         robot: any.
-        wheel_noise: standard deviation of a wheel's angle after it turned by 1 rad [rad].
+        wheel_noise: standard deviation of a wheel's angle after the base moved by a wheel's radius [rad].
         jump_factor: an increment that would need this many times the wheel's largest speed is not believed.
     """
     chassis, blocks = Chassis.of(robot), []
