@@ -50,7 +50,7 @@ def complex_paths(setting: Setting) -> Result:
         "Without dead band the heading controller, which has priority, keeps the robot from its position for most of "
         "the time: mice of 10 um are never at exactly 0."
     )
-    return Result((*_claims(rows), _literal()), (TableSection("Complex paths", table(rows), note),), {"rows": rows})
+    return Result((*_claims(rows), literal()), (TableSection("Complex paths", table(rows), note),), {"rows": rows})
 
 
 def _medians(found: dict[str, Any]) -> dict[str, float]:
@@ -84,7 +84,7 @@ def _claims(rows: list[dict[str, Any]]) -> tuple[Claim, ...]:
     return tuple(claims)
 
 
-def _literal() -> Claim:
+def literal() -> Claim:
     """What the robot does that believes eq. 1 to 7 as they are printed."""
     way = runs(tracking.LITERAL, paths.eight(), 1).pose[0]
     length = 1e3 * float(np.hypot(*np.diff(way[:, :2], axis=0).T).sum())
@@ -109,4 +109,4 @@ def figure_17(setting: Setting) -> Result:
     return Result(sections=(Gallery("Figure 17: complex paths", tuple(pictures), note),))
 
 
-__all__ = ["complex_paths", "figure_17", "runs", "shapes"]
+__all__ = ["complex_paths", "figure_17", "literal", "runs", "shapes"]
