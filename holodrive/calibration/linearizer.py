@@ -17,6 +17,7 @@ from holodrive.types import Array
 
 _MM = 1e-3  # m in the unit of the file's speeds
 _DIGITS = 8  # of coefficients in the file
+_BELIEVED = 5.0  # times faster or slower than the file's motors; a wrong unit is ten times or more
 
 
 @dataclass(frozen=True)
@@ -132,7 +133,28 @@ def calibrate(
                 raise InputError(f"there are no steps of {group.name} {direction}; every group needs both directions")
             fits.append(fit(mine, counts))
     found = Calibration(robot.name, counts, groups, tuple(fits), steps)
+    _believable(found, robot)
     return _usable(found, robot)
+
+
+def _believable(found: Calibration, robot: Robot) -> None:
+    """Refuse speeds that the motors of the robot's file cannot make: most often a unit.
+
+    Raises:
+        InputError: a group that is several times as fast as its motors without load, or as slow with strong PWM.
+    """
+    for one in found.fits:
+        group = next(each for each in found.groups if each.name == one.group)
+        wheels = [robot.wheels[i] for i in group.wheels]
+        free = max(wheel.motor.no_load_speed_rad_s * wheel.radius for wheel in wheels)
+        rim, part = float(one.speed_m_s.max()) * group.speed_scale, float(one.pwm[-1]) / found.counts
+        fast = rim > _BELIEVED * free
+        if fast or (part >= 0.5 and rim * _BELIEVED < part * free):
+            raise InputError(
+                f"{one.group} {one.direction} comes out at {rim:.3g} m/s of rim with PWM {one.pwm[-1]:g}, "
+                f"and its motors do {free:.3g} m/s without load: are time, x and y in the units that the header "
+                f"names, and do motor and radius of {robot.name} hold? Nothing is taken over"
+            )
 
 
 def _usable(found: Calibration, robot: Robot) -> Calibration:

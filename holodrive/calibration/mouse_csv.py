@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holodrive.calibration.mouse_runs import DIRECTIONS, KINDS, Accuracy, MouseRun, spin, straight, tracked
+from holodrive.calibration.separators import separated
 from holodrive.errors import Fault, FileFaults, InputError, did_you_mean
 from holodrive.files import units
 from holodrive.files.source import read as read_text
@@ -46,10 +47,14 @@ class _File:
     settings: dict[str, float] = field(default_factory=dict)
     ends: dict[str, dict[str, float]] = field(default_factory=dict)
     faults: list[Fault] = field(default_factory=list)
+    times: dict[str, int] = field(default_factory=dict)
     more: int = 0
 
     def fault(self, line: int, message: str, hint: str = "") -> None:
-        """One fault; `line` counts from 1, 0 is the whole file."""
+        """One fault, the same one of many rows once; `line` counts from 1, 0 is the whole file."""
+        seen = self.times[message] = self.times.get(message, 0) + 1
+        if seen > 1:
+            return
         if len(self.faults) >= MOST_FAULTS:
             self.more += 1
             return
@@ -60,7 +65,11 @@ class _File:
         """Raise all of them, when there are any."""
         if self.faults:
             rest = [Fault(self.name, 0, f"{self.more} more faults are not listed")] if self.more else []
-            raise FileFaults(self.name, [*self.faults, *rest])
+            raise FileFaults(self.name, [*(replace(one, message=self._counted(one)) for one in self.faults), *rest])
+
+    def _counted(self, fault: Fault) -> str:
+        more = self.times[fault.message] - 1
+        return f"{fault.message} (and in {more} more line{'s' if more > 1 else ''})" if more else fault.message
 
 
 @dataclass(frozen=True)
@@ -236,7 +245,8 @@ def _parts(file: _File, start: int, mice: Sequence[str]) -> tuple[dict[str, int]
     needed = [*NEEDED, *_of_mice(mice)]
     if missing := [name for name in needed if name not in where]:
         found = ", ".join(list(where)[:12]) or "nothing"
-        file.fault(start, f"missing columns: {', '.join(missing)}; found {found}", f"columns are {', '.join(needed)}")
+        hint = separated(list(where)) or f"columns are {', '.join(needed)}"
+        file.fault(start, f"missing columns: {', '.join(missing)}; found {found}", hint)
         return {}, []
     given = [name for name in TRACK if name in where]
     if given and len(given) < len(TRACK):

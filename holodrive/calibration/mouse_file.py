@@ -3,7 +3,7 @@
 import math
 
 from holodrive import robots
-from holodrive.calibration.mice import MiceCalibration, resolution
+from holodrive.calibration.mice import MiceCalibration, Parameter, resolution
 from holodrive.errors import InputError
 from holodrive.files.edit import Noted, edited
 from holodrive.robots.spec import Mouse
@@ -44,10 +44,18 @@ def _changes(mouse: Mouse, found: MiceCalibration, i: int) -> dict[str, object]:
     if mount != old:
         yaw = f"{math.degrees(mount.theta):.4f} deg"
         place = {"x": f"{1e3 * mount.x:.3f} mm", "y": f"{1e3 * mount.y:.3f} mm", "yaw": yaw}
-        out[f"sensor.mouse.{mouse.name}.mount"] = place
+        out[f"sensor.mouse.{mouse.name}.mount"] = Noted(place, _mount_note(told))
     scales = [each for name, each in told.items() if name.startswith("scale")]
     if scales and len(scales) == sum(each.name.startswith("scale") for each in found.parameters) // len(found.mice):
         sigma = max(each.sigma for each in scales)
         note = f"calibrated, standard deviation {1e6 * sigma:.2g} um"
         out[f"sensor.mouse.{mouse.name}.resolution"] = Noted(f"{1e6 * resolution(found.scales_m[i]):.5f} um", note)
     return out
+
+
+def _mount_note(told: dict[str, Parameter]) -> str:
+    """Which numbers of a mount were calibrated, and how well."""
+    parts = [f"{name} {1e3 * told[name].sigma:.2g} mm" for name in ("x", "y") if name in told]
+    if "yaw" in told:
+        parts.append(f"yaw {math.degrees(told['yaw'].sigma):.2g} deg")
+    return f"calibrated, standard deviations {', '.join(parts)}"

@@ -6,11 +6,14 @@ from typing import TYPE_CHECKING
 
 from holodrive.calibration.mouse_fit import TURNED
 from holodrive.calibration.mouse_runs import DIRECTIONS, MouseRun
+from holodrive.robots.spec import Mouse
 
 if TYPE_CHECKING:
     from holodrive.calibration.mice import Parameter
 
 
+_FAR = 0.2  # of the footprint
+_OTHER_SCALE = math.log(1.5)  # what is known of a scale before any run
 _CHECKED = 0.5  # |sin| between two straight runs that check each other
 
 
@@ -32,6 +35,27 @@ def notes(parameters: Sequence["Parameter"], runs: Sequence[MouseRun], freedom: 
             f"the runs contradict each other {widened:.2g} times more than the stated accuracies allow: all standard "
             "deviations are that much wider"
         )
+    return tuple(lines)
+
+
+def moved(parameters: Sequence["Parameter"], mice: Sequence[Mouse], footprint_m: float) -> tuple[str, ...]:
+    """Lines on mice that come out far from what the robot's file has: the runs cannot contradict a wrong turn."""
+    lines = []
+    for mouse in mice:
+        told = {each.name: each.value for each in parameters if each.mouse == mouse.name and each.told}
+        off = math.hypot(told.get("x", mouse.mount.x) - mouse.mount.x, told.get("y", mouse.mount.y) - mouse.mount.y)
+        if off > _FAR * footprint_m:
+            lines.append(
+                f"mouse {mouse.name} comes out {1e3 * off:.3g} mm from its place in the file: if that was measured, "
+                "look at the number and the sign of the turns"
+            )
+        for scale in (value for name, value in told.items() if name.startswith("scale")):
+            if abs(math.log(scale / mouse.resolution_m)) > _OTHER_SCALE:
+                times = scale / mouse.resolution_m
+                lines.append(
+                    f"a count of mouse {mouse.name} comes out {times:.3g} times that of the file: if that is "
+                    "of its data sheet, look at the lengths and their units"
+                )
     return tuple(lines)
 
 

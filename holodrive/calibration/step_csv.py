@@ -10,12 +10,13 @@ import io
 import math
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from holodrive.calibration.groups import BACKWARD, FORWARD, Group
+from holodrive.calibration.separators import separated
 from holodrive.calibration.step_record import StepRecord
 from holodrive.calibration.step_response import MOVED_COUNTS
 from holodrive.errors import Fault, FileFaults
@@ -38,6 +39,9 @@ MOST_FAULTS = 20
 _FLAT = 0.2  # of a step's samples: a reading that stands so long at the end while the PWM is on has stopped telling
 _FLAT_SAMPLES = 5
 _STRONGER = 0.05  # of full PWM above one that moved: a step that stands there has a loose wire, no dead zone
+_FAR_COUNTS = 50.0  # of the sensor: a step that goes so far tells its direction
+_SIGNED = 0.1  # of the longest displacement: one so far below 0 tells a file with signs from one of amounts
+_BESIDE = math.cos(math.radians(30.0))  # a dead axis of the sensor leaves a step 45 degrees beside its diagonal
 
 
 @dataclass(frozen=True)
@@ -93,14 +97,18 @@ def write_csv(records: Iterable[StepRecord]) -> str:
 
 
 class _Faults:
-    """Faults of one file, in its order; those past the twentieth are counted only."""
+    """Faults of one file, in its order: the same one of many rows once, those past the twentieth counted only."""
 
     def __init__(self, name: str, lines: Sequence[str]) -> None:
         self.name, self.lines = name, lines
         self.found: list[Fault] = []
+        self.times: dict[str, int] = {}
         self.more = 0
 
     def add(self, line: int, message: str, hint: str = "") -> None:
+        seen = self.times[message] = self.times.get(message, 0) + 1
+        if seen > 1:
+            return
         if len(self.found) >= MOST_FAULTS:
             self.more += 1
             return
@@ -109,8 +117,13 @@ class _Faults:
 
     def refuse(self) -> None:
         if self.found:
+            told = [replace(one, message=one.message + self._again(one)) for one in self.found]
             rest = [Fault(self.name, 0, f"{self.more} more faults are not listed")] if self.more else []
-            raise FileFaults(self.name, [*self.found, *rest])
+            raise FileFaults(self.name, [*told, *rest])
+
+    def _again(self, fault: Fault) -> str:
+        more = self.times[fault.message] - 1
+        return f" (and in {more} more line{'s' if more > 1 else ''})" if more else ""
 
 
 def _columns(header: Sequence[str], faults: _Faults) -> tuple[dict[str, int], dict[str, float]]:
@@ -132,7 +145,8 @@ def _columns(header: Sequence[str], faults: _Faults) -> tuple[dict[str, int], di
     missing = [column for column in NEEDED if column not in where]
     if missing:
         found = ", ".join(seen[:12]) or "nothing"
-        faults.add(1, f"missing columns: {', '.join(missing)}; found {found}", f"columns are {', '.join(NEEDED)}")
+        hint = separated(header) or f"columns are {', '.join(NEEDED)}"
+        faults.add(1, f"missing columns: {', '.join(missing)}; found {found}", hint)
     return where, factors
 
 
@@ -227,7 +241,12 @@ def _record(part: Sequence[_Row], groups: Sequence[Group]) -> StepRecord:
 
 
 def _check(records: Sequence[StepRecord], groups: Sequence[Group], counts: float, faults: _Faults) -> None:
-    """What cannot be calibrated from: saturated readings, steps that never move, missing directions."""
+    """What cannot be calibrated from: saturated readings, steps that never move, missing or wrong directions."""
+    if (strongest := max(one.pwm for one in records)) <= 1.0:
+        text = f"no PWM is above {strongest:g} of {counts:g} counts"
+        faults.add(records[0].line, text, f"pwm is in counts: multiply parts of full duty by {counts:g}")
+    ends = np.array([(one.x[-1], one.y[-1]) for one in records])
+    signed = bool(ends.min() < -_SIGNED * np.abs(ends).max())
     for group in groups:
         for direction in (FORWARD, BACKWARD):
             mine = [one for one in records if (one.group, one.direction) == (group.name, direction)]
@@ -237,6 +256,7 @@ def _check(records: Sequence[StepRecord], groups: Sequence[Group], counts: float
             elif not moved:
                 text = f"no step of {group.name} {direction} ever moves, up to PWM {max(one.pwm for one in mine):g}"
                 faults.add(mine[0].line, text, "is the sensor connected, and x and y in the unit of the header?")
+            _beside(moved, group, signed, faults)
             for one in mine:
                 weaker = [other.pwm for other in moved if other.pwm < one.pwm - _STRONGER * counts]
                 if weaker and one not in moved:
@@ -246,6 +266,43 @@ def _check(records: Sequence[StepRecord], groups: Sequence[Group], counts: float
                 if at := _saturated(one.time, one.travel(), group.resolution_m):
                     text = f"the sensor is saturated in the step {one.name}: its reading stands still from {at:g} s on"
                     faults.add(one.line, text, "end the step where the sensor's range ends")
+
+
+def _beside(moved: Sequence[StepRecord], group: Group, signed: bool, faults: _Faults) -> None:
+    """Refuse a group and direction of which most steps go somewhere else; amounts without signs tell less."""
+    far = [one for one in moved if math.hypot(one.x[-1], one.y[-1]) > _FAR_COUNTS * group.resolution_m]
+    off = [one for one in far if _along(one, signed) < _BESIDE]
+    if not off or 2 * len(off) <= len(far):
+        return
+    one = off[0]
+    x, y = _way(one, signed)
+    went, wanted = math.degrees(math.atan2(one.y[-1], one.x[-1])), math.degrees(math.atan2(y, x))
+    text = f"the step {one.name} goes to {went:.0f} deg and not to {wanted:.0f} deg"
+    if len(off) > 1:
+        text += f", and {len(off) - 1} more of {group.name} {one.direction} go wrong"
+    hint = "is an axis dead or in another unit?" if group.diagonal and not signed else (
+        "x is ahead and y to the left: a wrong sign, forward and backward exchanged, an axis dead or in another unit?"
+        if group.diagonal
+        else "x is the travel of the rim, below 0 backward: a wrong sign, or forward and backward exchanged?"
+    )  # fmt: skip
+    faults.add(one.line, text, hint)
+
+
+def _along(one: StepRecord, signed: bool) -> float:
+    """Cosine between where a step went and where it should."""
+    x, y = _way(one, signed)
+    return (x * float(one.x[-1]) + y * float(one.y[-1])) / math.hypot(one.x[-1], one.y[-1])
+
+
+def _way(one: StepRecord, signed: bool) -> tuple[float, float]:
+    """Unit vector, x ahead and y to the left, of a group and direction (Keek et al., Figure 3), or its amounts."""
+    if not signed:
+        return (math.sqrt(0.5), math.sqrt(0.5)) if one.diagonal else (1.0, 0.0)
+    sign = 1.0 if one.direction == FORWARD else -1.0
+    if not one.diagonal:
+        return sign, 0.0
+    half = sign * math.sqrt(0.5)
+    return half, half if one.group == "W1W4" else -half
 
 
 def _saturated(time: Array, travel: Array, resolution_m: float) -> float:

@@ -171,9 +171,13 @@ def _accuracy(options: dict[str, Any]) -> "Accuracy | None":
 
 def _say(out: Output, own: "Robot", found: "MiceCalibration", options: dict[str, Any], target: Path | None) -> None:
     from holodrive.calibration.mice import as_dict
+    from holodrive.calibration.mouse_notes import moved
 
+    far = moved(found.parameters, own.mice, own.footprint_radius_m)
     if out.json:
-        out.data({"robot": own.name, **as_dict(found), "file": str(target) if target else None})
+        data = as_dict(found)
+        data["notes"] += far
+        out.data({"robot": own.name, **data, "file": str(target) if target else None})
         return
     rows = [_row(own, each) for each in found.parameters]
     out.table(["mouse", "number", "in the file", "found", "std dev", "told by"], rows, left=2)
@@ -184,7 +188,7 @@ def _say(out: Output, own: "Robot", found: "MiceCalibration", options: dict[str,
     out.line("worst", f"run {run}: {1e3 * off:.3g} mm off")
     if any(excitation.needed for each in found.parameters for excitation in each.excited_by):
         out.line("!", "not told without this run")
-    for note in found.notes:
+    for note in (*found.notes, *far):
         out.line("note", note)
     if options["csv_path"]:
         out.line("runs", options["csv_path"])

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from holodrive.calibration.steps import Calibration
     from holodrive.robots.spec import Robot
 
+_MISSED = 0.03  # of the top speed: a step that a curve misses by more was measured wrong
+_STRONG = 0.8  # of full PWM
+
 
 @verb(
     "calibrate steps",
@@ -93,6 +96,8 @@ def _own_file(robot: str) -> Path:
     from holodrive.robots.files import CATALOG
 
     own = Path(robot)
+    if not own.name.endswith(".toml") and not (CATALOG / f"{robot}.toml").exists():
+        raise InputError(f"--write goes into a robot's own file, whose name ends in .toml; found {robot}")
     if not own.name.endswith(".toml") or (own.exists() and own.resolve().parent == CATALOG.resolve()):
         raise InputError(
             f"{robot} is a robot of the catalog, and --write leaves those alone; -o FILE.toml writes another"
@@ -101,7 +106,7 @@ def _own_file(robot: str) -> Path:
 
 
 def _found(out: Output, robot: "Robot", steps: str | None, options: dict[str, Any]) -> "Calibration":
-    counts = options["counts"] or (robot.pwm_map.counts if robot.pwm_map else 255)
+    counts = options["counts"] or _counts(robot, simulated=not steps)
     if steps:
         from holodrive.calibration import steps as calibration
 
@@ -121,6 +126,16 @@ def _found(out: Output, robot: "Robot", steps: str | None, options: dict[str, An
         return build.calibrate_steps(
             base, counts=counts, levels=options["levels"], step_s=step_s, stray_m=stray_m, progress=progress
         )
+
+
+def _counts(robot: "Robot", *, simulated: bool) -> int:
+    """Of full PWM: what the file says of the actuators that are stepped, of the other ones, or 255."""
+    import tomllib
+
+    said = tomllib.loads(robot.text).get("linearizer", {}) if robot.text else {}
+    own = int(said["counts"]) if "counts" in said else None
+    simulation = robot.pwm_map.counts if robot.pwm_map else None
+    return (simulation or own or 255) if simulated else (own or simulation or 255)
 
 
 def _documents(found: "Calibration", robot: "Robot", command_line: str, options: dict[str, Any]) -> list[str]:
@@ -149,6 +164,16 @@ def _say(out: Output, found: "Calibration", robot: "Robot", written: list[str]) 
         if one.unsettled:
             values = ", ".join(f"{pwm:g}" for pwm in one.unsettled[:6])
             out.warn(f"{one.group} {one.direction}: speed still changes at the end of PWM {values}; hold steps longer")
+        if one.max_error_m_s > _MISSED * one.top_m_s:
+            out.warn(
+                f"{one.group} {one.direction}: the curve misses one step by {1e3 * one.max_error_m_s:.3g} mm/s; look "
+                "at --report, and measure that step again"
+            )
+        if one.pwm[-1] < _STRONG * found.counts:
+            out.warn(
+                f"{one.group} {one.direction}: PWM above {one.pwm[-1]:g} of {found.counts:g} was not measured; the "
+                "curve is a guess there (--counts says how many are full)"
+            )
     if out.json:
         out.data({"robot": found.robot, "counts": found.counts, "fits": rows,
                   "linearizer": found.toml_tables(robot), "files": written})  # fmt: skip

@@ -84,9 +84,9 @@ def speeds_of(
 def table_of(rows: list[dict[str, Any]]) -> Table:
     """The records as a table."""
     had = any(math.isfinite(row["before_top_mm_s"]) for row in rows)
-    headers = ["group", "direction", "dead zone", "between", "dead time ms", "lag ms", "R2", "monotone", "curve",
-               "top mm/s", "by eq. 8", "max error"]  # fmt: skip
-    headers += ["before: dead zone", "top", "max error "] if had else []
+    headers = ["group", "direction", "dead zone PWM", "between", "dead time ms", "lag ms", "R2", "monotone", "curve",
+               "top mm/s", "by eq. 8 mm/s", "max error mm/s"]  # fmt: skip
+    headers += ["before: dead zone PWM", "top mm/s ", "max error mm/s "] if had else []
     cells = []
     for row in rows:
         cell = [

@@ -115,7 +115,7 @@ def test_faults_come_with_their_line(text: str, line: int, words: str) -> None:
 
 
 def test_a_file_full_of_faults_is_not_told_in_full() -> None:
-    text = HEAD + "a,ahead,0,x,1,1,1\n" * 100
+    text = HEAD + "".join(f"a,ahead,{k},x{k},1,1,1\n" for k in range(100))
     with pytest.raises(FileFaults) as caught:
         parse_csv(text, MICE)
     assert len(caught.value.faults) == 21

@@ -9,6 +9,7 @@ from made_up_runs import FOOTPRINT_M, MICE, SCALES, runs
 from holodrive import robots
 from holodrive.calibration.mice import MiceCalibration, calibrate
 from holodrive.calibration.mouse_file import rewritten
+from holodrive.calibration.mouse_notes import moved
 from holodrive.errors import InputError
 
 TEXT = robots.load("mecanum4").text
@@ -31,12 +32,14 @@ def test_the_file_says_what_was_found() -> None:
 
 
 def test_comments_and_order_stay() -> None:
+    """But for those that told where the old numbers came from."""
     new = rewritten(TEXT, "robot.toml", found()).splitlines()
     old = TEXT.splitlines()
     kept = [line for line in new if line in old]
     assert kept == [line for line in old if "mount" not in line]
-    assert sum("# Keek: mouse 1 is the robot's position" in line for line in new) == 1
-    assert sum("# calibrated, standard deviation" in line for line in new) == 2
+    assert not any("# Keek: mouse 1 is the robot's position" in line for line in new)
+    assert sum("# calibrated, standard deviations x 0" in line and " mm, yaw " in line for line in new) == 2
+    assert sum("# calibrated, standard deviation " in line for line in new) == 2
 
 
 def test_what_was_not_told_stays_what_it_was() -> None:
@@ -58,3 +61,15 @@ def test_a_result_that_tells_nothing_is_not_written() -> None:
 def test_a_file_of_other_mice_is_refused() -> None:
     with pytest.raises(InputError, match="has no mouse 'one'; it has eins, two"):
         rewritten(TEXT.replace("[sensor.mouse.one]", "[sensor.mouse.eins]"), "robot.toml", found())
+
+
+def test_mice_that_come_out_far_from_the_file_are_told() -> None:
+    """A wrong sign of the turns contradicts nothing in the runs; the file does."""
+    mice, result = robots.parse(TEXT).mice, found()
+    assert moved(result.parameters, mice, FOOTPRINT_M) == ()
+    one, two = mice
+    other = replace(two, mount=two.mount._replace(x=-two.mount.x), resolution_m=40.0 * two.resolution_m)
+    place, scale = moved(result.parameters, (one, other), FOOTPRINT_M)
+    assert "mouse two comes out 198 mm from" in place
+    assert "look at the number and the sign of the turns" in place
+    assert "a count of mouse two comes out 0.0227 times that of the file" in scale

@@ -1,12 +1,14 @@
 """Step files: what is written comes back, units in the header, and every fault with its file and line."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from made_up_steps import all_steps
 
 from holodrive import robots
 from holodrive.calibration.steps import calibrate, groups_of, parse_csv, write_csv
-from holodrive.errors import FileFaults
+from holodrive.errors import FileFaults, InputError
 
 ROBOT = robots.load("mecanum4_mice")
 GROUPS = groups_of(ROBOT)
@@ -50,7 +52,7 @@ def test_units_of_the_header_and_spellings_of_directions() -> None:
         for direction in ("F", "-1"):
             for k, pwm in enumerate((40, 60, 90, 150, 255)):
                 rows += [
-                    f"{v * k * t},{v * k * t},ok,{1000 + 15 * t},{pwm},{direction},{group}"
+                    f"{v * k * t},{v * k * t},ok,{1000 + 15 * t},{pwm},{direction},{group}"  # amounts without signs
                     for t in range(40)
                     for v in (0.1,)
                 ]
@@ -157,7 +159,81 @@ def test_a_saturated_sensor_is_told() -> None:
 
 def test_many_faults_are_counted_after_the_twentieth() -> None:
     """Nobody reads four thousand lines."""
-    rows = [row.replace("forward", "fro").replace("backward", "back") for row in GOOD.splitlines()]
-    found = faults("\n".join(rows))
+    head, *rows = GOOD.splitlines()
+    found = faults("\n".join([head, *(row.replace("ward", f"ward{k}") for k, row in enumerate(rows))]))
     assert len(found) == 21
     assert "more faults are not listed" in found[-1]
+
+
+def columns(change: Callable[[list[str]], None]) -> str:
+    """The good file with its cells changed row by row: group, direction, pwm, run, time, x, y."""
+    head, *rows = [line.split(",") for line in GOOD.splitlines()]
+    for cells in rows:
+        change(cells)
+    return "\n".join(",".join(cells) for cells in [head, *rows])
+
+
+def test_the_same_fault_of_many_rows_is_told_once() -> None:
+    """With the first line and how many more."""
+    text = GOOD.replace("W2W3", "W2W4")
+    (fault,) = faults(text)
+    assert "no group of wheels called 'W2W4'; known: W1W4, W2W3 (and in " in fault
+    assert f"(and in {text.count('W2W4') - 1} more lines)" in fault
+
+
+@pytest.mark.parametrize(("sign", "word"), [(";", "semicolons"), ("\t", "tabs")])
+def test_another_separator_is_named(sign: str, word: str) -> None:
+    """As spreadsheets of many countries write it."""
+    (fault,) = faults(GOOD.replace(",", sign))
+    assert f"{word} stand between the cells: write commas there" in fault
+
+
+def exchanged(cells: list[str]) -> None:
+    cells[1] = {"forward": "backward", "backward": "forward"}[cells[1]]
+
+
+def without_x(cells: list[str]) -> None:
+    cells[5] = "0"
+
+
+def amounts_without_x(cells: list[str]) -> None:
+    cells[5], cells[6] = "0", repr(abs(float(cells[6])))
+
+
+def mirrored(cells: list[str]) -> None:
+    cells[6] = repr(-float(cells[6]))
+
+
+@pytest.mark.parametrize("change", [exchanged, without_x, amounts_without_x, mirrored])
+def test_steps_that_go_beside_their_diagonal_are_refused(change: Callable[[list[str]], None]) -> None:
+    """One fault for each group and direction, with where they went and where they should."""
+    found = faults(columns(change))
+    assert len(found) in (2, 4)
+    assert all(" deg and not to " in fault and "more of W" in fault for fault in found)
+
+
+def test_amounts_without_signs_are_taken() -> None:
+    """The paper's equation 8 has no use for the signs either."""
+
+    def amounts(cells: list[str]) -> None:
+        cells[5:] = [repr(abs(float(cell))) for cell in cells[5:]]
+
+    assert len(parse_csv(columns(amounts), GROUPS)) == len(parse_csv(GOOD, GROUPS))
+
+
+def test_parts_of_full_duty_are_no_counts() -> None:
+    """0 to 1 instead of 0 to 255."""
+
+    def parts(cells: list[str]) -> None:
+        cells[2] = repr(float(cells[2]) / 255.0)
+
+    (fault,) = faults(columns(parts))
+    assert "no PWM is above 1 of 255 counts (pwm is in counts: multiply parts of full duty by 255)" in fault
+
+
+@pytest.mark.parametrize(("name", "other"), [("time_s", "time_ms"), ("x_m,y_m", "x_cm,y_cm")])
+def test_speeds_that_the_motors_cannot_make_are_refused(name: str, other: str) -> None:
+    """A wrong unit in the header is ten times or more."""
+    records = parse_csv(GOOD.replace(name, other, 1), GROUPS)
+    with pytest.raises(InputError, match="are time, x and y in the units that the header names"):
+        calibrate(ROBOT, records)

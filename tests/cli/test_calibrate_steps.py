@@ -38,7 +38,7 @@ def test_the_table_stands_beside_what_the_file_had(cli: Cli, made: Path) -> None
     """From the steps that were written: dead zone, dead time, R2, monotone, both speeds."""
     answer = cli(*STEPS, made / "steps.csv")
     assert answer.code == 0, answer.err
-    for words in ("dead zone", "dead time", "R2", "monotone", "by eq. 8", "before: dead zone", "W1W4", "W2W3"):
+    for words in ("dead zone", "dead time", "R2", "monotone", "by eq. 8 mm/s", "before: dead zone PWM", "W1W4", "W2W3"):
         assert words in answer.out
     assert "-o mine.toml" in answer.err
 
@@ -123,3 +123,32 @@ def test_what_cannot_be_calibrated_is_told_what_can(cli: Cli) -> None:
     answer = cli("calibrate", "step")
     assert answer.code == 2
     assert "Did you mean 'steps'? Known: steps, mice" in answer.err
+
+
+def test_write_with_a_name_that_is_no_file(cli: Cli, made: Path) -> None:
+    """And of no catalog robot either."""
+    answer = cli("calibrate", "steps", "mecanum5", made / "steps.csv", "--write")
+    assert answer.code == 2
+    assert "--write goes into a robot's own file, whose name ends in .toml; found mecanum5" in answer.err
+
+
+def test_counts_are_those_of_the_linearizer_in_the_file(cli: Cli, tmp_path: Path) -> None:
+    """Those of its last calibration hold for measured steps until --counts says others."""
+    csv, own = tmp_path / "ten_bit.csv", tmp_path / "own.toml"
+    assert cli("calibrate", "steps", "mecanum4", "--counts", "1023", "--csv", csv, "-o", own).code == 0
+    answer = cli("calibrate", "steps", own, csv, "--json")
+    assert answer.code == 0
+    assert json.loads(answer.out)["counts"] == 1023
+
+
+def test_a_curve_that_misses_a_step_or_ends_early_is_told(cli: Cli, made: Path, tmp_path: Path) -> None:
+    """One sample of a step far off; and the upper half of PWM left out."""
+    cut, half = tmp_path / "cut.csv", tmp_path / "half.csv"
+    text = (made / "steps.csv").read_text()
+    head, *rows = text.splitlines()
+    last = sum(row.split(",")[3] == "0" for row in rows) - 1
+    off = [*rows[:last], rows[last].rpartition(",")[0] + ",0", *rows[last + 1 :]]
+    cut.write_text("\n".join([head, *off]))
+    half.write_text("\n".join([head, *(row for row in rows if float(row.split(",")[2]) < 150.0)]))
+    assert "W1W4 forward: the curve misses one step by" in cli(*STEPS, cut).err
+    assert "W1W4 forward: PWM above 143 of 255 was not measured" in cli(*STEPS, half).err
