@@ -138,6 +138,21 @@ def test_loop_and_roll_out_drive_the_same_run_on_measured_actuators_by_mice(name
     assert_allclose(rolled.log[0, : len(loop.time), 1:4], loop.pose, atol=1e-12)
 
 
+@pytest.mark.parametrize("name", ["ff_pi", "dob"])
+def test_a_lag_that_is_told_wrong_by_half_still_leaves_a_fifth_of_the_error_of_la_g(name):
+    """By default they take the lag that the simulated actuators have; the gain must not hang on that."""
+    slow = replace(ROBOT, pwm_map=replace(ROBOT.pwm_map, lag_s=0.1, dead_time_s=0.08))
+    path = planning.follow(planning.lemniscate(0.1), 0.02)
+
+    def distances(controller, **params):
+        out = hd.rollout(slow, None, controller, params=params, n=2, seed=1, reference=path, t=path.duration_s,
+                         plant="pwm_map", estimator="mouse_odometry", log_every=1)  # fmt: skip
+        way = np.stack([out.column("x"), out.column("y")], axis=-1)
+        return planning.distance_to_path(path, way).sum()
+
+    assert 5.0 * distances(name, lag_s=0.05) < distances("la_g", variant="printed")
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_moving_and_turning_the_world_moves_and_turns_the_whole_run(name):
     table, shift = planning.follow(planning.circle(0.05), 0.02), np.array([1.0, -2.0, 0.8])
