@@ -214,7 +214,7 @@ def rollout(
     controller: str | ControllerPlug = "go_to_pose",
     *,
     estimator: "str | Plug | None" = "auto",
-    n: int = 1,
+    n: int | None = None,
     params: Any = None,
     **options: Any,
 ) -> "Rollout":
@@ -225,13 +225,15 @@ def rollout(
         controller: a name of `control.names()`, or any plug with a kernel.
         estimator: a name of `estimation.names()`, "auto" (as `drive`), or any plug with a kernel; None lets the
             controller know the truth.
-        n: how many robots.
+        n: how many robots; as many as there are references or worlds in a list, else 1, when None.
         params: a dict over the controller's defaults; or packed, (p,) or (n, p).
     """
     from holodrive import sim
 
     described = load(robot)
     place = [_world(one) for one in world] if isinstance(world, list | tuple) else _world(world)  # type: ignore[arg-type]
+    if n is None and isinstance(place, list):
+        n = len(place)
     packed = None if isinstance(params, dict) else params
     if isinstance(controller, str):
         given = params if isinstance(params, dict) else None

@@ -37,9 +37,11 @@ def straight(setting: Setting) -> Result:
         setting.tell(f"            {variant.name}: {RUNS * len(paths.ANGLES_DEG)} runs")
         found[variant.name] = runs(variant).figures()
     ours = found[tracking.PRINTED.name]
+    iae, ise = 1e3 * _by_angle(ours["distance_sum_m"]), 1e6 * _by_angle(ours["distance_square_sum_m2"])
     sections: tuple[Section, ...] = (
         TableSection("Straight paths: all trackers", table(_summaries(found)), _NOTE),
-        TableSection("Straight paths: LA-G as printed, angle by angle", table(_rows(ours)), _ROW_NOTE),
+        TableSection("Straight paths: IAE beside Table I", table(_rows(printed.TABLE_I, iae, "mm")), _ROW_NOTE),
+        TableSection("Straight paths: ISE beside Table II", table(_rows(printed.TABLE_II, ise, "mm2")), _ROW_NOTE),
     )
     data = {name: {key: values.tolist() for key, values in figures.items()} for name, figures in found.items()}
     return Result(_claims(ours), sections, data)
@@ -51,9 +53,9 @@ _NOTE = (
     "50 ms, two mice of 10 um. Error: from the moving target; distance: from the path. Medians and largest of 128 runs."
 )
 _ROW_NOTE = (
-    "Our sums are over the 15 ms samples of a run of the distance to the path, which is the reading of the paper's "
-    "unit mm (and mm2) that its own numbers allow; COV with the sample deviation, as the paper's. Their path lengths "
-    "and speeds are not printed, so the columns can be set side by side and not subtracted."
+    "LA-G as printed. Our sums are over the 15 ms samples of a run of the distance to the path, the reading that the "
+    "paper's units mm and mm2 allow. Its COV are those of a sample, its SD those of a population in Table I. Path "
+    "lengths and speeds are not printed, so the columns can be set side by side and not subtracted."
 )
 
 
@@ -71,24 +73,22 @@ def _summaries(found: dict[str, dict[str, Array]]) -> list[dict[str, Any]]:
     ]
 
 
-def _rows(ours: dict[str, Array]) -> list[dict[str, Any]]:
-    absolute, square = (_by_angle(ours[f"distance_{name}"]) for name in ("sum_m", "square_sum_m2"))
+def _rows(theirs: tuple[printed.Row, ...], ours: Array, unit: str) -> list[dict[str, Any]]:
+    """Both tables' columns for each angle: theirs as printed, ours (32, RUNS) with both deviations."""
     rows = []
-    for i, angle in enumerate(paths.ANGLES_DEG):
-        iae, ise = 1e3 * absolute[i], 1e6 * square[i]
+    for angle, row, runs in zip(paths.ANGLES_DEG, theirs, ours, strict=True):
+        mean, population, sample = float(runs.mean()), float(runs.std()), float(runs.std(ddof=1))
         rows.append(
             {
                 "path": f"{angle:g}°",
-                "printed_iae_mm": float(np.mean(printed.TABLE_I[i].runs)),
-                "ours_iae_mm": float(iae.mean()),
-                "sd_population_mm": float(iae.std()),
-                "sd_sample_mm": float(iae.std(ddof=1)),
-                "printed_cov": printed.TABLE_I[i].variation,
-                "cov_population": float(iae.std() / iae.mean()),
-                "cov_sample": float(iae.std(ddof=1) / iae.mean()),
-                "printed_ise_mm2": float(np.mean(printed.TABLE_II[i].runs)),
-                "ours_ise_mm2": float(ise.mean()),
-                "ise_cov_sample": float(ise.std(ddof=1) / ise.mean()),
+                f"printed_mean_{unit}": float(np.mean(row.runs)),
+                f"printed_SD_{unit}": row.deviation,
+                "printed_COV": row.variation,
+                f"our_mean_{unit}": mean,
+                f"our_population_SD_{unit}": population,
+                f"our_sample_SD_{unit}": sample,
+                "our_population_COV": population / mean,
+                "our_sample_COV": sample / mean,
             }
         )
     return rows
