@@ -49,9 +49,7 @@ class CalibrateGroup(click.Group):
             formatter.write_dl(list(KINDS.items()))
 
 
-@click.group(
-    "calibrate", cls=CalibrateGroup, epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
-)
+@click.group("calibrate", cls=CalibrateGroup, epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]})
 @click.option("-q", "--quiet", is_flag=True, help="No progress and no hints.")
 @click.option("-v", "--verbose", is_flag=True, help="Say more; show the trace of an error.")
 @click.option("--json", "as_json", is_flag=True, help="The result as JSON.")
