@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from holodrive import __version__, control, estimation, planning, references, robots, worlds
 from holodrive import log as logs
-from holodrive.errors import InputError, LogError, with_known
+from holodrive.errors import HardwareFault, InputError, LogError, with_known
 from holodrive.interfaces import Base, Controller, ControllerPlug, Estimator, Plug
 from holodrive.log.run import Run
 from holodrive.robots.spec import Robot
@@ -26,6 +26,10 @@ from holodrive.types import Pose
 from holodrive.worlds.spec import World
 
 if TYPE_CHECKING:
+    from holodrive.calibration.mice import MiceCalibration
+    from holodrive.calibration.mouse_moves import Driven, Move, Stand
+    from holodrive.calibration.mouse_runs import Accuracy, MouseRun
+    from holodrive.calibration.steps import Calibration
     from holodrive.control.custom import Law
     from holodrive.estimation import Evaluation
     from holodrive.sim import Rollout, SimBase
@@ -211,7 +215,7 @@ def rollout(
     controller: str | ControllerPlug = "go_to_pose",
     *,
     estimator: "str | Plug | None" = "auto",
-    n: int = 1,
+    n: int | None = None,
     params: Any = None,
     **options: Any,
 ) -> "Rollout":
@@ -222,13 +226,15 @@ def rollout(
         controller: a name of `control.names()`, or any plug with a kernel.
         estimator: a name of `estimation.names()`, "auto" (as `drive`), or any plug with a kernel; None lets the
             controller know the truth.
-        n: how many robots.
+        n: how many robots; as many as there are references or worlds in a list, else 1, when None.
         params: a dict over the controller's defaults; or packed, (p,) or (n, p).
     """
     from holodrive import sim
 
     described = load(robot)
     place = [_world(one) for one in world] if isinstance(world, list | tuple) else _world(world)  # type: ignore[arg-type]
+    if n is None and isinstance(place, list):
+        n = len(place)
     packed = None if isinstance(params, dict) else params
     if isinstance(controller, str):
         given = params if isinstance(params, dict) else None
@@ -245,6 +251,59 @@ def rollout(
         estimator = estimation.default_name(described)
     believer = estimation.plug(estimator) if isinstance(estimator, str) else estimator
     return sim.rollout(described, place, controller, estimator=believer, n=n, params=packed, **options)
+
+
+def calibrate_steps(
+    base: Base,
+    *,
+    counts: int | None = None,
+    levels: int = 20,
+    step_s: float = 1.5,
+    stray_m: float = 0.5,
+    estimator: str | Estimator = "auto",
+    progress: Callable[[float], None] | None = None,
+) -> "Calibration":
+    """Step a base's motors open-loop, group by group, and find its linearizer; it stays about where it is.
+
+    Args:
+        base: from `simulate`, or a real one; it needs a free circle of `stray_m` around it.
+        counts: PWM counts of full duty; those of the robot's [pwm_map], or 255, when None.
+        levels: PWM values to see moving in each direction.
+        step_s: how long each is held [s].
+        stray_m: how far the robot may get from its place [m].
+        estimator: how a diagonal of a Mecanum base is measured; "auto" takes the mice, or the encoders without.
+        progress: called with the time of each tick [s].
+
+    Raises:
+        InputError: a base that cannot measure how its wheels move, or numbers that cannot be.
+        HardwareFault: it strayed, did not come to rest, or did not move; its wheels have been stopped.
+    """
+    from holodrive.calibration import step_log, steps
+    from holodrive.control.duty_steps import DutySteps
+
+    robot = base.robot
+    try:
+        groups = steps.groups_of(robot)
+        full = counts if counts is not None else robot.pwm_map.counts if robot.pwm_map else 255
+        wheels = tuple((group.wheels, group.diagonal, group.resolution_m) for group in groups)
+        plug = DutySteps(wheels, counts=full, levels=levels, step_s=step_s, stray_m=stray_m)
+        if estimator == "auto":
+            mice = groups[0].diagonal and len(robot.mice) >= 2
+            estimator = "mouse_odometry" if mice else estimation.default_name(robot)
+        believer = estimation.estimator(estimator, robot) if isinstance(estimator, str) else estimator
+        kept, start = step_log.StepLog(), Pose(*getattr(base, "truth", Pose(0.0, 0.0, 0.0)))
+        still = references.ReferenceFollower(references.fixed_goal(start))
+        loop = Loop(base, control.controller(plug, robot), believer, still, (kept,), calibration=True)
+        loop.reset(start)
+        ending = loop.run(plug.longest_s, progress=progress)
+    finally:
+        base.close()
+    if ending.why == "interrupted":
+        raise KeyboardInterrupt
+    fault = loop.fault or loop.decision.fault or ("" if ending.why == "arrived" else "the schedule did not end in time")
+    if fault:
+        raise HardwareFault(f"{robot.name} is not calibrated: {fault}; all wheels are stopped")
+    return steps.calibrate(robot, kept.records(robot, groups, full), full, measured_elsewhere=False)
 
 
 class Rerun(NamedTuple):
@@ -323,6 +382,119 @@ def replay(path: str | Path, run: str | None = None, robot: str | Path | Robot |
 
     recording = recordings.read(path, run)
     return estimation.evaluate(recording, load(robot if robot is not None else recording.robot))
+
+
+def calibrate_mice(
+    robot: str | Path | Robot,
+    runs: "str | Path | Sequence[MouseRun] | None" = None,
+    *,
+    turns: float | None = None,
+    length_m: float | None = None,
+    accuracy: "Accuracy | None" = None,
+    plant: Plant = "first_order",
+    seed: int = 0,
+    per_axis: bool = False,
+    progress: Callable[[float], None] | None = None,
+) -> "MiceCalibration":
+    """Scale, mounting angle and lever arm of each mouse, from a spin and two straight runs or any known track.
+
+    Args:
+        robot: whose mice; of what its file says of them only names, noise and the nominal resolution are used.
+        runs: a CSV file of runs, a log (.mcap) with truth or wheel odometry, or runs; None simulates this robot,
+            drives the moves and measures them as a person with a tape would.
+        turns, length_m: of the moves (5.5 and 1 m when None); of runs in a CSV file that does not say.
+        accuracy: of tape, turns and tracks.
+        plant, seed: of the simulation.
+        per_axis: tell the scales of a mouse's two axes apart.
+        progress: called with the simulated time [s].
+
+    Raises:
+        InputError: a robot without mice, or runs that no calibration can use (a FileFaults where a file is at fault).
+    """
+    from holodrive.calibration import mice, mouse_csv, mouse_log, mouse_moves
+    from holodrive.calibration.mouse_runs import Accuracy
+
+    described = load(robot)
+    if not described.mice:
+        raise InputError(f"{described.name} has no mice to calibrate; add [sensor.mouse.NAME] to its file")
+    if single := [mouse.name for mouse in described.mice if mouse.axes != "xy"]:
+        raise InputError(
+            f"mouse {single[0]} of {described.name} is a measuring wheel; this calibrates mice with two axes"
+        )
+    names = [mouse.name for mouse in described.mice]
+    exact = accuracy or Accuracy()
+    found: Sequence[MouseRun]
+    if runs is None:
+        driven = drive_mice(described, turns=turns, length_m=length_m, accuracy=exact, plant=plant, seed=seed,
+                            progress=progress)  # fmt: skip
+        found = [mouse_moves.run_of(each, exact) for each in driven]
+    elif isinstance(runs, str | Path):
+        if str(runs).endswith(".mcap"):
+            found = mouse_log.runs_of(logs.read(runs), names, exact)
+        else:
+            found = mouse_csv.read_csv(runs, names, turns=turns, length_m=length_m, accuracy=accuracy)
+    else:
+        found = runs
+    return mice.calibrate(
+        found,
+        names,
+        described.footprint_radius_m,
+        nominal_m=[mouse.resolution_m for mouse in described.mice],
+        noise_relative=[mouse.noise_relative for mouse in described.mice],
+        per_axis=per_axis,
+    )
+
+
+def drive_mice(
+    robot: str | Path | Robot,
+    *,
+    turns: float | None = None,
+    length_m: float | None = None,
+    accuracy: "Accuracy | None" = None,
+    plant: Plant = "first_order",
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+) -> "list[Driven]":
+    """The moves that calibrate mice, driven by a simulated robot and measured with a tape; see `calibrate_mice`."""
+    from holodrive.calibration import mouse_moves
+    from holodrive.calibration.mouse_runs import Accuracy
+
+    base = simulate(robot, plant=plant, seed=seed)
+    chosen = mouse_moves.moves(base.robot, 5.5 if turns is None else turns, 1.0 if length_m is None else length_m)
+    generator, begin = np.random.default_rng(seed), base.truth
+
+    def stand(move: "Move") -> "Stand":
+        nonlocal begin
+        before, begin = begin, base.truth
+        return mouse_moves.by_tape(before, begin, accuracy or Accuracy(), generator)
+
+    try:
+        return [_driven(base, move, stand, progress) for move in chosen]
+    finally:
+        base.close()
+
+
+def _driven(
+    base: Base, move: "Move", stand: "Callable[[Move], Stand]", progress: Callable[[float], None] | None
+) -> "Driven":
+    """One move on any base; `stand` says afterwards where the robot stands."""
+    from holodrive.calibration import mouse_moves
+
+    still = references.ReferenceFollower(references.fixed_goal((0.0, 0.0, 0.0)))
+    loop = Loop(base, mouse_moves.OpenLoop(move), mouse_moves.Blind(), still)
+    loop.reset(Pose(0.0, 0.0, 0.0))
+    time, counts = [], []
+    # a driver gives metres by the file's resolution: whole counts again, which is what a mouse really tells
+    resolution = np.array([mouse.resolution_m for mouse in base.robot.mice])[:, None]
+    while not loop.decision.arrived:
+        tick = loop.step()
+        if loop.fault:
+            raise InputError(f"run {move.name!r} was stopped: {loop.fault}")
+        time.append(tick.time)
+        counts.append(np.round(np.asarray(tick.mice) / resolution))
+        if progress is not None:
+            progress(tick.time)
+    return mouse_moves.Driven(move, np.array(time), np.array(counts), stand(move))
 
 
 def _settings(

@@ -52,7 +52,7 @@ def duty_of(curves, base, wheel, speed):  # type: ignore[no-untyped-def]
     if speed == 0.0:
         return 0.0
     at = base + int(curves[base + 2 * wheel + (1 if speed < 0.0 else 0)])
-    duty = min(1.0, curve_at(curves, at, abs(speed)))
+    duty = min(curve_at(curves, at, abs(speed)), 1.0)  # in this order NaN stays
     return -duty if speed < 0.0 else duty
 
 

@@ -7,6 +7,7 @@ VERBS = {
     "compare": "controllers or recorded runs side by side",
     "reproduce": "a paper's tables and figures: printed value, ours, verdict",
     "tune": "better parameters for a controller, by simulation",
+    "calibrate": "measure motors or ball mice, and write what was found into the robot's file",
     "replay": "look at a log or a recording of a real robot again",
     "render": "a run as GIF, PNG, SVG or HTML",
     "export": "a run as CSV or Parquet",

@@ -16,13 +16,16 @@ from holodrive.worlds.spec import World
 
 # name -> "module:class" of a frozen parameter class (interfaces.ControllerPlug or PlainPlug)
 CONTROLLERS: dict[str, str] = {
+    "dob": "holodrive.control.disturbance_observer:Dob",
     "feed_forward": "holodrive.control.feed_forward:FeedForward",
+    "ff_pi": "holodrive.control.ff_pi:FfPi",
     "fuzzy": "holodrive.control.fuzzy_avoidance:FuzzyAvoidance",
     "fuzzy_mpc": "holodrive.control.fuzzy_mpc:FuzzyMpc",
     "fuzzy_pd": "holodrive.control.fuzzy_pd:FuzzyPd",
     "fuzzy_pid": "holodrive.control.fuzzy_pid:FuzzyPid",
     "go_to_pose": "holodrive.control.go_to_pose:GoToPose",
     "la_g": "holodrive.control.la_g:LaG",
+    "mpc": "holodrive.control.ltv_mpc:LtvMpc",
     "pid": "holodrive.control.pid:Pid",
 }
 ENTRY_POINTS = "holodrive.controllers"  # where other packages register theirs

@@ -46,6 +46,14 @@ _AXIS_TOLERANCE = 1e-3  # rad
 # headings add up from whole counts of the sensors, so that an error of 0 comes back; rounding must not hide it
 _NO_ERROR = 1e-9  # rad
 
+# where to look for good values (`holodrive tune`)
+BOUNDS: dict[str, tuple[float, float] | tuple[float, float, str]] = {
+    "kp": (0.5, 10.0, "log"),
+    "kp_heading": (0.02, 2.0, "log"),
+    "dead_band_rad": (math.radians(0.1), math.radians(3.0)),
+    "hysteresis_rad": (0.0, math.radians(0.5)),
+}
+
 # the pieces of eq. 14 and 15 [deg]: where a piece begins, where it ends as printed, and both gains at either end
 _PIECES = (
     (0.0, 44.9, 0.50, 0.01, -0.50, -0.99),
@@ -171,7 +179,8 @@ class LaG:
         kp_heading: [m/s of diagonal speed per rad]; the paper's 1.0 is 1 mm/s per degree.
         max_speed_m_s: of a diagonal (the paper's 37 mm/s); at most what the slowest wheel can do.
         dead_band_rad: heading error above which only the heading is corrected; 0 as printed.
-        hysteresis_rad: how far below the dead band the error must fall for the position to be resumed.
+        hysteresis_rad: how far below the dead band the error must fall for the position to be resumed; while the
+            heading is corrected the target of a ramp moves on, so a wide one costs more than it saves.
         arrive_m, arrive_rad: how near is there.
     """
 
@@ -181,7 +190,7 @@ class LaG:
     kp_heading: float = 1e-3 / math.radians(1.0)
     max_speed_m_s: float = 0.037
     dead_band_rad: float = math.radians(1.0)
-    hysteresis_rad: float = math.radians(0.25)
+    hysteresis_rad: float = math.radians(0.1)
     arrive_m: float = 0.002
     arrive_rad: float = math.radians(2.0)
 
@@ -236,7 +245,8 @@ def wheel_speeds(robot: Robot) -> Array:
     diagonals = [sum(_along(axis, wanted) for axis in axes) for wanted in (_AXIS_14, _AXIS_23)]
     if {wheel.kind for wheel in robot.wheels} != {"mecanum"} or diagonals != [2, 2]:
         found = ", ".join(
-            f"{wheel.name} ({wheel.kind}" + (f" {math.degrees(axis):+.3g} deg)" if wheel.kind == "mecanum" else ")")
+            f"{wheel.name} ({wheel.kind}"
+            + (f" {math.degrees(0.5 * wrap(2.0 * axis)):+.3g} deg)" if wheel.kind == "mecanum" else ")")
             for wheel, axis in zip(robot.wheels, axes, strict=True)
         )
         raise InputError(

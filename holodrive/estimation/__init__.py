@@ -7,7 +7,11 @@ from holodrive.errors import InputError, UnknownName
 
 if TYPE_CHECKING:
     from holodrive.estimation.evaluation import Evaluation, Medians, evaluate, medians
+    from holodrive.estimation.fused_odometry import FusedOdometry
     from holodrive.estimation.kernel import KernelEstimator
+    from holodrive.estimation.mouse_corrected import MouseCorrected
+    from holodrive.estimation.mouse_odometry import MouseOdometry
+    from holodrive.estimation.mouse_printed import MousePrinted
     from holodrive.estimation.odometry import Odometry, track
     from holodrive.estimation.wheel_odometry import WheelOdometry
     from holodrive.interfaces import Estimator, Plug
@@ -16,13 +20,21 @@ if TYPE_CHECKING:
 # name -> "module:class" of a frozen parameter class (interfaces.Plug)
 ESTIMATORS: dict[str, str] = {
     "ekf": "holodrive.estimation.ekf:Ekf",
+    "fused_odometry": "holodrive.estimation.fused_odometry:FusedOdometry",
+    "mouse_corrected": "holodrive.estimation.mouse_corrected:MouseCorrected",
+    "mouse_odometry": "holodrive.estimation.mouse_odometry:MouseOdometry",
+    "mouse_printed": "holodrive.estimation.mouse_printed:MousePrinted",
     "wheel_odometry": "holodrive.estimation.wheel_odometry:WheelOdometry",
 }
 # Numba and all that needs it is imported when it is first asked for
 _WHERE = {
     "Evaluation": "holodrive.estimation.evaluation",
+    "FusedOdometry": "holodrive.estimation.fused_odometry",
+    "MouseCorrected": "holodrive.estimation.mouse_corrected",
+    "MousePrinted": "holodrive.estimation.mouse_printed",
     "KernelEstimator": "holodrive.estimation.kernel",
     "Medians": "holodrive.estimation.evaluation",
+    "MouseOdometry": "holodrive.estimation.mouse_odometry",
     "Odometry": "holodrive.estimation.odometry",
     "WheelOdometry": "holodrive.estimation.wheel_odometry",
     "evaluate": "holodrive.estimation.evaluation",
@@ -56,7 +68,7 @@ def default_name(robot: "Robot") -> str:
     """
     if all(wheel.encoder is not None for wheel in robot.wheels):
         return "wheel_odometry"
-    if len(robot.mice) >= 2:
+    if sum(mouse.axes == "xy" for mouse in robot.mice) >= 2:
         return "mouse_odometry"
     blind = ", ".join(wheel.name for wheel in robot.wheels if wheel.encoder is None)
     raise InputError(
@@ -94,8 +106,12 @@ def __getattr__(name: str) -> Any:
 __all__ = [
     "ESTIMATORS",
     "Evaluation",
+    "FusedOdometry",
     "KernelEstimator",
     "Medians",
+    "MouseCorrected",
+    "MouseOdometry",
+    "MousePrinted",
     "Odometry",
     "WheelOdometry",
     "default_name",

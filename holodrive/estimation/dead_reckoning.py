@@ -10,16 +10,14 @@ that the sensors make. A and G are the exact derivatives, not those of an Euler 
 
 import math
 
-from numba import njit
-
-from holodrive.types import Array
+from holodrive.leaf import leaf
 
 _SERIES = 0.02  # rad
 Levers = tuple[float, float, float, float, float, float]
 
 
-@njit(cache=True, error_model="numpy")
-def advance(pose: Array, displacement: Array) -> None:
+@leaf
+def advance(pose, displacement):  # type: ignore[no-untyped-def]
     """The pose (3,) after the displacement (3,), by the exact exponential; its heading keeps counting turns."""
     dx, dy, turn = displacement[0], displacement[1], displacement[2]
     sine, versine, _, _ = exp_terms(turn)
@@ -30,8 +28,8 @@ def advance(pose: Array, displacement: Array) -> None:
     pose[2] += turn
 
 
-@njit(cache=True, error_model="numpy")
-def carry(covariance: Array, heading: float, displacement: Array) -> None:
+@leaf
+def carry(covariance, heading, displacement):  # type: ignore[no-untyped-def]
     """P <- A P A^T, A = [[1, 0, -y], [0, 1, x], [0, 0, 1]]: an error of heading turns the way (x, y) of this step.
 
     Args:
@@ -53,8 +51,8 @@ def carry(covariance: Array, heading: float, displacement: Array) -> None:
     p[3], p[6], p[7] = p[1], p[2], p[5]
 
 
-@njit(cache=True, error_model="numpy")
-def levers(heading: float, displacement: Array) -> Levers:
+@leaf
+def levers(heading, displacement):  # type: ignore[no-untyped-def]
     """The first two rows of G = dT'/dd, row by row; the third is (0, 0, 1)."""
     dx, dy, turn = displacement[0], displacement[1], displacement[2]
     c, s = math.cos(heading), math.sin(heading)
@@ -64,14 +62,14 @@ def levers(heading: float, displacement: Array) -> Levers:
     return a, -b, c * u - s * v, b, a, s * u + c * v
 
 
-@njit(cache=True, error_model="numpy")
-def spread(covariance: Array, g: Levers, variance: float, x: float, y: float, turn: float) -> None:
+@leaf
+def spread(covariance, g, variance, x, y, turn):  # type: ignore[no-untyped-def]
     """P <- P + variance * (G e) (G e)^T: what an error e = (x, y, turn) of the displacement, of this variance, adds."""
     add(covariance, variance, g[0] * x + g[1] * y + g[2] * turn, g[3] * x + g[4] * y + g[5] * turn, turn)
 
 
-@njit(cache=True, error_model="numpy")
-def add(covariance: Array, size: float, x: float, y: float, turn: float) -> None:
+@leaf
+def add(covariance, size, x, y, turn):  # type: ignore[no-untyped-def]
     """P <- P + variance * v v^T with v = (x, y, turn) in world axes."""
     p = covariance
     p[0] += size * x * x
@@ -83,8 +81,8 @@ def add(covariance: Array, size: float, x: float, y: float, turn: float) -> None
     p[3], p[6], p[7] = p[1], p[2], p[5]
 
 
-@njit(cache=True, error_model="numpy")
-def exp_terms(w: float) -> tuple[float, float, float, float]:
+@leaf
+def exp_terms(w):  # type: ignore[no-untyped-def]
     """sin(w)/w, (1 - cos(w))/w and their derivatives; series near zero, where the quotients lose digits."""
     q = w * w
     if abs(w) < _SERIES:

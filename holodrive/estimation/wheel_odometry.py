@@ -99,19 +99,30 @@ class WheelOdometry:
         return ANGLES + 3 * len(robot.wheels) + 4 * len(robot.steered)
 
     def pack(self, robot: "Robot | Chassis") -> Array:
-        """The parameters and the kinematics of the robot, as one vector."""
+        """The parameters and the kinematics of the robot, as one vector.
+
+        Raises:
+            InputError: a wheel without an encoder, or another number of noises than of wheels.
+        """
+        if not isinstance(robot, Chassis):
+            blind = ", ".join(wheel.name for wheel in robot.wheels if wheel.encoder is None)
+            if blind:
+                raise InputError(
+                    f"wheel_odometry needs an encoder on every wheel, {robot.name} has none on {blind}; "
+                    "give the wheels encoders or choose another estimator"
+                )
         arrays, n = kin.arrays(robot), len(robot.wheels)
         noise = np.atleast_1d(np.asarray(self.wheel_noise, dtype=np.float64))
         if len(noise) not in (1, n):
             raise InputError(f"wheel odometry: wheel_noise has {len(noise)} values, the robot {n} wheels")
         weight = -1.0 if self.gyro_weight is None else self.gyro_weight
-        gyro = _gyro_noise(robot) if self.gyro_noise is None else self.gyro_noise
+        gyro = gyro_noise(robot) if self.gyro_noise is None else self.gyro_noise
         radii = np.array([wheel.radius for wheel in robot.wheels])
         head = [weight, gyro**2, self.steer_at, self.jump_factor, n, len(robot.steered)]
         return np.concatenate([head, np.broadcast_to(noise**2, n), (self.side_noise * radii) ** 2, arrays])
 
 
-def _gyro_noise(robot: "Robot | Chassis") -> float:
+def gyro_noise(robot: "Robot | Chassis") -> float:
     """Standard deviation of the gyro's heading after 1 s [rad]."""
     if isinstance(robot, Chassis) or robot.imu is None:
         return 0.005

@@ -116,4 +116,4 @@ def _shown(value: Value, unit: str) -> str:
     if isinstance(value, str):
         return value
     digits = f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
-    return f"{digits} {unit}".strip().replace("-", "−")
+    return f"{digits}{'' if unit == '°' else ' '}{unit}".strip().replace("-", "−")

@@ -24,6 +24,25 @@ class Spot:
     value_column: int
 
 
+@dataclass(frozen=True, slots=True)
+class Statement:
+    """A `key = value`, a `[header]` or a `[[header]]`, by offsets into the text.
+
+    Attributes:
+        path: of the key or table; an entry of a list of tables ends in its number.
+        start: of the key or the brackets.
+        value: of the value; for a header its start.
+        end: behind the value or the brackets.
+        brackets: 0, 1 or 2.
+    """
+
+    path: Path
+    start: int
+    value: int
+    end: int
+    brackets: int
+
+
 class TooDeepError(Exception):
     """Nesting beyond `DEEPEST`."""
 
@@ -38,15 +57,27 @@ class _Odd(Exception):
 
 @dataclass(slots=True)
 class Index:
-    """Spots of all paths, and the paths that are written twice with their first line."""
+    """Spots of all paths, the statements in their order, and the paths written twice with their first line."""
 
     spots: dict[Path, Spot] = field(default_factory=dict)
+    statements: list[Statement] = field(default_factory=list)
     twice: list[tuple[Path, Spot, int]] = field(default_factory=list)
 
 
 def scan(text: str) -> Index:
     """The index of a text; raises `TooDeepError`."""
     return _Scanner(text).run()
+
+
+def value_end(text: str, start: int) -> int:
+    """Where the value that starts there ends; raises ValueError where there is none."""
+    scanner = _Scanner(text)
+    scanner.at = start
+    try:
+        scanner.value(())
+    except _Odd:
+        raise ValueError(f"no TOML value at {start}") from None
+    return len(text[: scanner.at].rstrip())
 
 
 _SPACE = re.compile(r"[ \t]*")
@@ -86,7 +117,10 @@ class _Scanner:
         elif self.text.startswith("[", self.at):
             self._header(1)
         else:
-            self._pair(self.prefix, 1)
+            start = self.at
+            path, value = self._pair(self.prefix, 1)
+            end = len(self.text[value : self.at].rstrip()) + value
+            self.index.statements.append(Statement(path, start, value, end, 0))
             self._skip(_SPACE)
             if self.at < len(self.text) and self.text[self.at] not in "\n#":
                 raise _Odd
@@ -112,6 +146,11 @@ class _Scanner:
             self.headers.add(path)
             self.index.spots[path] = self._spot(start, start)
         self.prefix = path
+        self.index.statements.append(Statement(path, start, start, self.at, brackets))
+
+    def value(self, path: Path) -> None:
+        """Step over one value."""
+        self._value(path, 1)
 
     def _resolve(self, parts: list[str]) -> Path:
         path: Path = ()
@@ -121,7 +160,8 @@ class _Scanner:
                 path = (*path, self.counts[path] - 1)
         return path
 
-    def _pair(self, prefix: Path, depth: int) -> None:
+    def _pair(self, prefix: Path, depth: int) -> tuple[Path, int]:
+        """The path of a pair and where its value starts."""
         start = self.at
         path = prefix + tuple(self._key())
         if not self.text.startswith("=", self.at):
@@ -130,8 +170,10 @@ class _Scanner:
         self._skip(_SPACE)
         for upto in range(len(prefix) + 1, len(path)):
             self._note(path[:upto], start, start, quietly=True)
-        self._note(path, start, self.at, quietly=False)
+        value = self.at
+        self._note(path, start, value, quietly=False)
         self._value(path, depth)
+        return path, value
 
     def _value(self, path: Path, depth: int) -> None:
         if depth > DEEPEST:

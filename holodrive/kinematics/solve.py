@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from holodrive.errors import ChassisError
+from holodrive.errors import ChassisError, InputError
+from holodrive.kinematics import least_squares
 from holodrive.types import Array
 
 if TYPE_CHECKING:
@@ -66,12 +67,15 @@ def solve(
 
 def weighted_inverse(chassis: "Chassis", weights: ArrayLike, matrix: Array) -> Array:
     """(..., 3, rows) inverse that minimises the weighted squares of the residual: (J'WJ)^-1 J'W by QR."""
-    root = np.sqrt(_per_row(chassis, weights, "weights")) * chassis.row_scale
-    q, r = np.linalg.qr(root[..., None] * matrix)
-    diagonal = np.abs(np.diagonal(r, axis1=-2, axis2=-1))
-    if np.any(diagonal.min(axis=-1) <= 1e-12 * diagonal.max(axis=-1)) or not np.all(np.isfinite(diagonal)):
-        raise ChassisError("the wheels that the weights leave cannot tell all three motions; give more of them weight")
-    return np.asarray(np.linalg.solve(r, np.swapaxes(q, -1, -2)) * root[..., None, :])
+    scale = chassis.row_scale
+    scaled = _per_row(chassis, weights, "weights")
+    try:
+        inverse = least_squares.inverse(scale[:, None] * matrix, scaled)
+    except InputError as error:
+        raise ChassisError(
+            "the wheels that the weights leave cannot tell all three motions; give more of them weight"
+        ) from error
+    return inverse * scale
 
 
 def _covariance(

@@ -58,6 +58,7 @@ def robot(source: Source) -> Robot:
     linearizer = duty_maps.linearizer(all_wheels, source)
     pwm_map = duty_maps.pwm_map(all_wheels, battery.voltage_v if battery else 0.0, source)
     checks.whole(all_wheels, fields, limit_fields, source)
+    checks.mice(mice, all_wheels, fields, source)
     source.refuse()
     if not (base and battery and ground and limits and loop):
         raise AssertionError(f"{source.file}: a form without faults is missing")

@@ -6,7 +6,7 @@ from itertools import combinations, product
 from typing import Any
 
 from holodrive.files.source import Source
-from holodrive.robots.spec import WheelSpec
+from holodrive.robots.spec import Mouse, WheelSpec
 
 WHEELS_OUTSIDE = "wheels-outside-footprint"  # what a file accepts when its footprint is meant to be that small
 ACCEPTABLE = (WHEELS_OUTSIDE,)
@@ -52,6 +52,22 @@ def _footprint(wheels: list[WheelSpec], robot: Mapping[str, Any], source: Source
         )
     if accepts and not outside:
         source.fault(("robot", "accept"), "all wheels are inside the footprint; leave 'accept' out")
+
+
+def mice(
+    found: Iterable[Mouse], wheels: Mapping[str, WheelSpec | None], robot: Mapping[str, Any], source: Source
+) -> None:
+    """Note ground sensors that sit outside the footprint, which encloses all parts."""
+    good = [wheel for wheel in wheels.values() if wheel is not None]
+    radius = robot.get("footprint_radius") or (reach(good) if good and len(good) == len(wheels) else math.inf)
+    for mouse in found:
+        far = math.hypot(mouse.mount.x, mouse.mount.y)
+        if far > radius * (1.0 + 1e-9):
+            source.fault(
+                ("sensor", "mouse", mouse.name, "mount"),
+                f"mouse {mouse.name} sits {far:.4g} m from the robot's centre, outside its footprint of {radius:.4g} m",
+                "correct the mount, or make footprint_radius enclose all parts",
+            )
 
 
 def _speed(wheels: list[WheelSpec], stated: float, source: Source) -> None:

@@ -14,8 +14,10 @@ from numpy.typing import ArrayLike
 
 from holodrive.errors import InputError
 from holodrive.robots.spec import DutyCurve
+from holodrive.types import Array
 
 FASTEST_RAD_S = 1e5  # as fast as a wheel's speed may be in a file
+SLOWEST_RAD_S = 1e-9  # no motor is that slow at its best: the sign of a wrong unit
 ROUND_OFF = 1e-9  # of full duty: what a curve may miss of its ends without being wrong
 LEAST_END_SLOPE = 0.1  # of the outermost two points' slope: a curve that ended flat could not go on straight
 
@@ -56,7 +58,7 @@ def from_cubic(
     rad_s = _wheel_speed(speed_unit_m_s, counts, speed_scale, radius_m)
     _start(c[0], counts)
     end = _top(c, counts, FASTEST_RAD_S / rad_s, top)
-    piece = (c[0] / counts, c[1] / counts / rad_s, c[2] / counts / rad_s**2, c[3] / counts / rad_s**3)
+    piece = (c[0] / counts, c[1] / counts / rad_s, c[2] / counts / rad_s / rad_s, c[3] / counts / rad_s / rad_s / rad_s)
     return _checked(DutyCurve((0.0, end * rad_s), (piece,)))
 
 
@@ -77,24 +79,22 @@ def from_points(
     Raises:
         CurveError: when there are fewer than two points, they do not rise, or they leave 0 to full duty.
     """
-    found = np.asarray(points, dtype=np.float64)  # (P, 2)
-    if found.ndim != 2 or found.shape[1] != 2 or len(found) < 2 or not np.isfinite(found).all():
-        raise CurveError("a curve needs two or more points [pwm, speed] of finite numbers")
-    pwm, speed = found.T
+    pwm, speed = _columns(points)
     if speed[0] != 0.0:
         raise CurveError(f"the first point is the end of the dead zone, at speed 0; its speed is {speed[0]:g}", 0)
     for name, values in (("PWM", pwm), ("speed", speed)):
-        falls = np.flatnonzero(np.diff(values) <= 0.0)
+        falls = np.flatnonzero(~(np.diff(values) > ROUND_OFF * abs(values[-1])))
         if falls.size:
-            k = int(falls[0])
-            raise CurveError(
-                f"points must rise; the {name} goes from {values[k]:g} to {values[k + 1]:g} at point {k + 2}"
-            )
+            k = int(falls[0]) + 1
+            what = f"the {name} goes from {values[k - 1]:g} to {values[k]:g} at point {k + 1}"
+            raise CurveError(f"points must rise; {what}", k)
     rad_s = _wheel_speed(speed_unit_m_s, counts, speed_scale, radius_m)
     _start(float(pwm[0]), counts)
     if pwm[-1] > counts:
-        raise CurveError(f"the last point has a PWM of {pwm[-1]:g}, above full duty, {counts:g} counts", len(found) - 1)
+        raise CurveError(f"the last point has a PWM of {pwm[-1]:g}, above full duty, {counts:g} counts", len(pwm) - 1)
     knots = speed * rad_s
+    if not SLOWEST_RAD_S <= knots[-1] <= FASTEST_RAD_S:
+        raise CurveError(f"the last point has a speed of {knots[-1]:g} rad/s, which no wheel has", len(pwm) - 1)
     return _checked(DutyCurve(tuple(map(float, knots)), _monotone_pieces(knots, pwm / counts)))
 
 
@@ -126,19 +126,29 @@ def check(curve: DutyCurve) -> None:
         raise CurveError(f"a curve starts at a duty of 0 or more, found {pieces[0][0]:g}")
     before = pieces[0][0]
     for (at, after), piece in zip(pairwise(knots), pieces, strict=True):
-        if abs(piece[0] - before) > ROUND_OFF:
+        if not abs(piece[0] - before) <= ROUND_OFF:
             raise CurveError(f"the curve jumps from a duty of {before:g} to {piece[0]:g} at {at:g} rad/s")
         falls = _falls(piece, after - at)
         if falls is not None:
             raise CurveError(f"the curve stops rising at {at + falls:g} rad/s")
         before = _value(piece, after - at)
-    if before > 1.0 + ROUND_OFF:
+    if not before <= 1.0 + ROUND_OFF:
         raise CurveError(f"the curve ends at a duty of {before:g}, above full duty")
 
 
 def _checked(curve: DutyCurve) -> DutyCurve:
     check(curve)
     return curve
+
+
+def _columns(points: ArrayLike) -> tuple[Array, Array]:
+    try:
+        found = np.asarray(points, dtype=np.float64)
+    except ValueError:  # numpy's word for rows of different lengths
+        found = np.zeros(0)
+    if found.ndim != 2 or found.shape[1] != 2 or len(found) < 2 or not np.isfinite(found).all():
+        raise CurveError("a curve needs two or more points [pwm, speed] of finite numbers")
+    return found[:, 0], found[:, 1]
 
 
 def _wheel_speed(speed_unit_m_s: float, counts: float, speed_scale: float, radius_m: float) -> float:
@@ -215,7 +225,7 @@ def _crossing(excess: Callable[[float], float], high: float) -> float:
     return low
 
 
-def _monotone_pieces(x: np.ndarray, y: np.ndarray) -> tuple[tuple[float, float, float, float], ...]:
+def _monotone_pieces(x: Array, y: Array) -> tuple[tuple[float, float, float, float], ...]:
     from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
     slopes = PchipInterpolator(x, y).derivative()(x)

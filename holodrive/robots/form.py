@@ -323,7 +323,7 @@ class SpeedLoopForm(Form):
     feed_forward: Ratio = Field(default=1.0, description="share of the commanded speed that becomes duty at once")
 
 
-Plain = Annotated[float, Quantity("number", -1e300, 1e300)]
+Plain = Annotated[float, Quantity("number", -1e12, 1e12)]
 
 
 class CurveForm(Form):
@@ -347,8 +347,8 @@ class CurveForm(Form):
     @model_validator(mode="before")
     @classmethod
     def _one_way(cls, table: Any) -> Any:
-        if isinstance(table, dict):
-            keys = set(table) & set(cls.model_fields)
+        if isinstance(table, dict) and not set(table) - set(cls.model_fields):  # an unknown key is told as such
+            keys = set(table)
             if keys - {"top"} not in ({"cubic"}, {"points"}, {"knots", "pieces"}):
                 written = ", ".join(sorted(keys)) or "none of them"
                 raise custom(f"a curve is one of {{ cubic }}, {{ points }} and {{ knots, pieces }}; found {written}")
@@ -370,7 +370,7 @@ class LinearizerForm(Form):
 
     counts: Annotated[int, Whole(1, 1_000_000)] = Field(default=255, description="PWM counts of full duty")
     speed_unit: str = Field(default="m/s", description='of the speeds in the curves, such as "mm/s" of rim or "rad/s"')
-    speed_scale: Annotated[float, Quantity("number", 0.0, 100.0, above_low=True)] = Field(
+    speed_scale: Annotated[float, Quantity("number", 1e-3, 1e3)] = Field(
         default=1.0, description="a wheel's speed over the speed in the curves"
     )
 

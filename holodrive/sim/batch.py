@@ -106,7 +106,7 @@ def rollout(
     *,
     estimator: Plug | None = None,
     reference: references.Table | Sequence[references.Table] | None = None,
-    n: int = 1,
+    n: int | None = None,
     seed: int = 0,
     first: int = 0,
     t: float = 30.0,
@@ -127,7 +127,7 @@ def rollout(
         controller: plug with a compiled kernel; twists go through the limit - discretise - invert pipeline.
         estimator: plug with a compiled kernel; None lets the controller know the truth.
         reference: where they shall be, one for all or n of one kind; the world's goal when None and no `goals`.
-        n: how many.
+        n: how many; as many as there are references, else 1, when None.
         seed: of all noise. `first` is the number of the first robot: robots 512 to 1023 of a seed are the same
             whether they run together with the others or, with first=512, elsewhere.
         t: simulated time [s]; dt: physics step [s].
@@ -144,6 +144,8 @@ def rollout(
         UnknownName: no such plant.
     """
     number = period.plant_number(robot, plant)
+    if n is None:
+        n = 1 if reference is None or isinstance(reference, references.Table) else len(reference)
     model, kin = model_of(robot, dt), _kinematics(robot)
     if n < 1 or not (t > 0.0 and math.isfinite(t)) or (log_every is not None and log_every < 1):
         raise InputError(

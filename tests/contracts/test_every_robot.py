@@ -51,7 +51,9 @@ def test_a_robot_that_is_told_nothing_stays_where_it_is(name):
 @pytest.mark.parametrize("name", robots.names())
 def test_the_world_frame_does_not_matter_to_a_run(name):
     """Start and goal moved and turned together give the same run in the moved frame (no noise in the sensors)."""
-    robot = replace(hd.load(name), lidar=None, imu=None, mice=())
+    robot = replace(hd.load(name), lidar=None, imu=None)
+    if all(wheel.encoder is not None for wheel in robot.wheels):  # else the mice are all that it has
+        robot = replace(robot, mice=())
     shift, goal = np.array([1.0, -2.0, 0.8]), np.array([reach(robot), 0.2 * reach(robot), 0.3])
     here = hd.drive(hd.simulate(robot, OPEN), goal=goal, duration_s=3.0)
     there = hd.drive(hd.simulate(robot, OPEN, start=shift), goal=geometry.compose(shift, goal), duration_s=3.0)

@@ -309,12 +309,15 @@ def test_a_ramp_is_followed_at_the_distance_that_its_gain_says():
         assert late == pytest.approx(0.02 / (2.0 * factor), rel=0.05)
 
 
-def test_the_roll_out_drives_the_same_ramp():
+@pytest.mark.parametrize(("name", "plant"), [("mecanum4", "first_order"), ("mecanum4_mice", "pwm_map")])
+def test_the_roll_out_drives_the_same_ramp(name, plant):
+    """With encoders, and with measured actuators and two mice; the start asks for a turn first."""
     reference = planning.follow(planning.line((0.0, 0.0), (-0.03, -0.06)), 0.02, heading_rad=AHEAD)
-    params = {"variant": "printed"}
-    base = hd.simulate(ROBOT, seed=4, start=(0.0, 0.0, AHEAD))
+    params, start, robot = {"variant": "printed"}, (0.0, 0.0, AHEAD - 0.03), hd.load(name)
+    base = hd.simulate(robot, seed=4, start=start, plant=plant)
     run = hd.drive(base, "la_g", trajectory=reference, params=params, duration_s=4.0, stop_on_arrival=False)
     rolled = hd.rollout(
-        ROBOT, None, "la_g", params=params, reference=reference, starts=(0.0, 0.0, AHEAD), seed=4, t=4.0, log_every=1
+        robot, None, "la_g", params=params, reference=reference, starts=start, seed=4, t=4.0, log_every=1, plant=plant
     )
     np.testing.assert_allclose(rolled.log[0, : len(run.time), 1:4], run.pose, atol=1e-9)
+    assert abs(run.pose[-1, 2] - AHEAD) < 0.02

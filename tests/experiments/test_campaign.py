@@ -1,9 +1,10 @@
-"""The bars of the hybrid robot's benchmark on worlds that no design or tuning has seen."""
+"""The bars of the papers' robots on worlds and motors that no design or tuning has seen."""
 
 import pytest
 
 from holodrive.experiments import Setting
 from holodrive.experiments.hybrid import courses, tracks, variants
+from holodrive.experiments.mecanum import monte_carlo
 
 
 @pytest.mark.campaign
@@ -25,3 +26,10 @@ def test_a4_1000_worlds_with_crossers_nearly_all_are_driven():
 def test_both_cascades_track_better_than_the_goal_blend_alone(track):
     alone, *cascades = (tracks.medians(v, track(), 3)["rms_error_m"] for v in tracks.NAVIGATORS)
     assert all(rms < alone for rms in cascades)
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("variant", monte_carlo.VARIANTS, ids=lambda v: v.params["variant"])
+def test_robots_with_other_motors_and_batteries_keep_the_straight_paths_within_a_centimetre(variant):
+    straight, _ = monte_carlo.swept(variant, monte_carlo.ROBOTS)
+    assert straight["distance_max_m"].max() < monte_carlo.BAR_M

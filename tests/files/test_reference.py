@@ -59,6 +59,27 @@ def test_the_motor_of_the_reference_is_a_motor():
     assert robots.parse(f"{robots.load('omni3').text}\n{part}").wheels[0].motor.current_limit_a == 3.0
 
 
+def test_the_program_of_the_reference_changes_a_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = (DOCS / "robot-files.md").read_text(encoding="utf-8")
+    (program,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    exec(program, {"__name__": "reference"})
+    robot = robots.load(tmp_path / "mine.toml")
+    assert robot.mass_kg == 4.2
+    assert tuple(robot.mice[1].mount) == (0.1012, -0.0021, 0.031)
+
+
+def test_the_curves_of_the_reference_are_curves():
+    """The group of the example, and the other diagonal as it is shipped."""
+    text = (DOCS / "robot-files.md").read_text(encoding="utf-8")
+    (part,) = re.findall(r"```toml\n(\[linearizer\].*?)```", text, re.DOTALL)
+    shipped = robots.load("mecanum4").text
+    start, end = shipped.index("[linearizer]"), shipped.index("[linearizer.w2w3]")
+    wheels = robots.parse(shipped[:start] + part + shipped[end:]).linearizer.wheels
+    assert len(wheels[1].backward.pieces) == 4
+    assert wheels[1].forward == robots.load("mecanum4").linearizer.wheels[1].forward
+
+
 def test_the_example_world_has_a_way_from_start_to_goal():
     text = (DOCS / "world-files.md").read_text(encoding="utf-8")
     world = worlds.parse(re.findall(r"```toml\n(.*?)```", text, re.DOTALL)[0])

@@ -167,11 +167,18 @@ def pwm_maps(count):
 
 
 @st.composite
+def inside(draw, radius):
+    """A mount within a circle about the robot's centre."""
+    distance, bearing = draw(st.floats(0.0, 0.99)) * radius, draw(st.floats(-3.0, 3.0))
+    return Pose(distance * math.cos(bearing), distance * math.sin(bearing), draw(st.floats(-3.0, 3.0)))
+
+
+@st.composite
 def robots(draw):
     count = draw(st.integers(1, 5))
     names = draw(st.lists(NAME, min_size=count, max_size=count, unique=True))
     found = tuple(draw(wheels(name, 2.0 * math.pi * i / count)) for i, name in enumerate(names))
-    top = checks.top_speed(found)
+    top, reach = checks.top_speed(found), checks.reach(found)
     speed = draw(st.floats(0.1, 1.0)) * top if math.isfinite(top) and top > 0.0 else math.inf
     endless = st.just(math.inf)
     return Robot(
@@ -179,7 +186,7 @@ def robots(draw):
         wheels=found,
         mass_kg=draw(between(0.1, 500.0)),
         inertia_kg_m2=draw(between(1e-4, 100.0)),
-        footprint_radius_m=checks.reach(found) * draw(st.floats(1.0, 3.0)),
+        footprint_radius_m=reach * draw(st.floats(1.0, 3.0)),
         title=draw(TEXT),
         source=draw(TEXT),
         centre_of_mass=(draw(st.floats(-0.5, 0.5)), draw(st.floats(-0.5, 0.5))),
@@ -193,7 +200,9 @@ def robots(draw):
         lidar=draw(st.none() | LIDARS),
         imu=draw(st.none() | IMUS),
         mice=tuple(
-            Mouse(name, draw(POSE), draw(between(1e-7, 1e-3)), draw(st.floats(0.0, 1.0)), draw(TEXT), draw(AXES))
+            Mouse(
+                name, draw(inside(reach)), draw(between(1e-7, 1e-3)), draw(st.floats(0.0, 1.0)), draw(TEXT), draw(AXES)
+            )
             for name in draw(st.lists(NAME, max_size=4, unique=True))
         ),
         control_period_s=draw(st.floats(1e-3, 0.1)),

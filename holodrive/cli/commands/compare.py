@@ -37,7 +37,14 @@ if TYPE_CHECKING:
 )
 @click.argument("what", nargs=-1, required=True, metavar="ROBOT | RUN.mcap...")
 @click.option("-w", "--world", metavar="WORLD", help="World, by name or file; the open floor when not given.")
-@click.option("-c", "--controllers", default="go_to_pose,pid", show_default=True, help="Names with commas between.")
+@click.option(
+    "-c",
+    "--controllers",
+    multiple=True,
+    default=("go_to_pose,pid",),
+    show_default=True,
+    help="Names with commas between; may be repeated.",
+)
 @click.option("--runs", default=3, show_default=True, type=click.IntRange(1), help="Seeds for each controller.")
 @click.option("--goal", metavar="X,Y[,HEADING]", help="Where to go; the world's goal when not given.")
 @path_options
@@ -53,7 +60,9 @@ def command(out: Output, what: tuple[str, ...], path: str | None, **options: Any
     checked_ending(path, "--out", ".html", ".htm")
     logs = all(name.endswith(".mcap") for name in what)
     if not logs and len(what) > 1:
-        raise InputError(f"compare takes one robot, or logs that end in .mcap; found {' '.join(what)}")
+        raise InputError(
+            f"compare takes one robot, or logs that end in .mcap; found {' '.join(what)}; controllers stand after -c"
+        )
     short = len({Path(name).stem for name in what}) == len(set(what))
     groups = (
         {Path(name).stem if short else name: [hd.read(name)] for name in what}
@@ -80,7 +89,8 @@ def _drive(out: Output, robot: str, options: dict[str, Any]) -> dict[str, list["
 
     overrides, params = split_settings(options["settings"])
     described, world = hd.load(robot, overrides), hd.world(options["world"])
-    controllers = [name.strip() for name in options["controllers"].split(",") if name.strip()]
+    listed = ",".join(options["controllers"]).split(",")
+    controllers = list(dict.fromkeys(name.strip() for name in listed if name.strip()))
     if options["goal"] and options["shape"]:
         raise InputError("a run has one reference: --goal or --path")
     goal = pose_of(options["goal"], "--goal") if options["goal"] else None

@@ -7,7 +7,7 @@ from holodrive import __version__
 from holodrive.cli.options import verb
 from holodrive.cli.output import Output
 
-STANDS_ON = ("numpy", "scipy", "numba", "pydantic", "click", "rich", "mcap", "zstandard", "pillow", "tomlkit")
+STANDS_ON = ("numpy", "scipy", "numba", "pydantic", "click", "rich", "mcap", "zstandard", "pillow")
 
 
 @verb("version", ["", "--json"])
