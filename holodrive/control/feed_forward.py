@@ -173,7 +173,7 @@ def steer_modules(kin, lead, obs, motion, pipe, work, steer):  # type: ignore[no
     elif kin[TRAILS] != POWERED:
         share = drive_leaning(kin, motion[0], motion[1], motion[2], dt, pipe, work, steer)
     else:
-        share = caster_share(kin, obs, motion)
+        share = caster_share(kin, pipe, motion)
     for i in range(6):
         motion[i] *= share
     for i in range(int(kin[N_WHEELS])):
@@ -182,9 +182,12 @@ def steer_modules(kin, lead, obs, motion, pipe, work, steer):  # type: ignore[no
         if j >= 0 and kin[TRAILS] != POWERED:
             steer[j] += lag * steering_rate(kin, b, motion)
         elif j >= 0:
-            # a powered caster takes any twist at any angle, so it goes on from where it stands
-            now = obs[layout.STEER + j]
-            steer[j] = pipe[STEER + j] = now + (0.5 * dt + lag) * caster_rate(kin, b, now, motion)
+            # a powered caster takes any twist at any angle, so its angle is what its rates have led to
+            begin = pipe[STEER + j]
+            middle = begin + 0.5 * dt * caster_rate(kin, b, begin, motion)
+            rate = caster_rate(kin, b, middle, motion)
+            pipe[STEER + j] = begin + dt * rate
+            steer[j] = middle + lag * rate
 
 
 @leaf
@@ -196,14 +199,14 @@ def caster_rate(kin, b, angle, motion):  # type: ignore[no-untyped-def]
 
 
 @leaf
-def caster_share(kin, obs, motion):  # type: ignore[no-untyped-def]
+def caster_share(kin, pipe, motion):  # type: ignore[no-untyped-def]
     """Share of the twist, at most 1, at which no powered caster steers faster than it can."""
     share = 1.0
     for i in range(int(kin[N_WHEELS])):
         b = WHEELS + BLOCK * i
         j = int(kin[b + STEER_INDEX])
         if j >= 0:
-            share = min(share, kin[b + STEER_RATE] / abs(caster_rate(kin, b, obs[layout.STEER + j], motion)))
+            share = min(share, kin[b + STEER_RATE] / abs(caster_rate(kin, b, pipe[STEER + j], motion)))
     return share
 
 
@@ -288,8 +291,8 @@ class FeedForward:
         arrive_m, arrive_rad: how near is there.
     """
 
-    k: float = 4.0
-    k_theta: float = 4.0
+    k: float = 5.0
+    k_theta: float = 5.0
     lags: Lags = "stated"
     drive_lag_s: float | None = None
     steer_lag_s: float | None = None

@@ -217,6 +217,18 @@ def test_it_follows_a_lemniscate_while_spinning_far_closer_than_feedback_does(na
     assert np.sqrt(np.mean(ours**2)) < 0.5 * np.sqrt(np.mean(theirs**2))
 
 
+@pytest.mark.parametrize(("caster_m", "coupling"), [(0.005, 0.0), (0.03, 0.0), (0.03, 0.3)])
+def test_trailing_modules_follow_as_closely(caster_m, coupling, swerve):
+    """Short casters lean, long ones are powered: they go on from any angle."""
+    wheels = tuple(
+        replace(wheel, steering=replace(wheel.steering, caster_m=caster_m, coupling=coupling))
+        for wheel in swerve.wheels
+    )
+    table = spinning(planning.follow(planning.lemniscate(1.0), 0.7, 0.7), 1)
+    _, error = tracked(replace(swerve, wheels=wheels, text=""), "feed_forward", {}, table, "first_order")
+    assert np.sqrt(np.mean(error**2)) < 2e-3
+
+
 def test_a_straight_line_at_1_m_s_while_spinning_stays_within_1_mm_with_motor_dynamics_on():
     robot = hd.load("swerve3_motors")
     table = spinning(planning.follow(planning.line((0.0, 0.0), (4.0, 0.0)), 1.0, 1.0), 1.0)
