@@ -3,6 +3,7 @@
 import math
 
 from holodrive import layout
+from holodrive.estimation import sensor_doubt as doubt
 from holodrive.estimation import sensor_health as health
 from holodrive.estimation import sensor_state as st
 from holodrive.estimation import sensor_table as tb
@@ -32,6 +33,7 @@ def tick(obs, memory, params, estimate):  # type: ignore[no-untyped-def]
     if health.judge(params, memory, dt):
         memory[st.FRESH] = 1.0
         settled = st.fit_tick(params, memory, dt)
+    doubt.weigh_doubt(params, memory, dt)
     slip(memory, params)
     grow(memory, params, dt, settled)
     advance(memory[:3], memory[st.DISPLACEMENT : st.DISPLACEMENT + 3])
@@ -128,7 +130,7 @@ def grow(memory, params, dt, settled):  # type: ignore[no-untyped-def]
     moved, weighed = st.moved_by(params, memory, st.DISPLACEMENT), st.moved_by(params, memory, st.WEIGHED)
     # the part of a count with which the sensors in use began stays for good
     c, s = math.cos(heading), math.sin(heading)
-    coarse = 0.0
+    coarse, unsure = 0.0, doubt.doubted(params, memory, moved, dt)
     for k in range(int(params[st.SENSORS])):
         b, m = st.TABLE + k * tb.BLOCK, st.STATES + k * st.STATE
         if memory[m + st.OUT] != 0.0 or memory[m + st.READ] == 0.0:
@@ -139,7 +141,8 @@ def grow(memory, params, dt, settled):  # type: ignore[no-untyped-def]
             at = b + tb.H + 3 * i
             size = st.variance(params, b, eq.row(params, at, memory[st.WEIGHED : st.WEIGHED + 3]), weighed, dt)
             x, y, turn = eq.back(normal, params, at, length, 1.0 / size)
-            spread(covariance, g, st.noise(params, b, eq.row(params, at, motion), moved, dt), x, y, turn)
+            wrong = unsure if params[b + tb.KIND] == tb.MOUSE else 0.0
+            spread(covariance, g, st.noise(params, b, eq.row(params, at, motion), moved, dt) + wrong, x, y, turn)
             add(counts, quantum * quantum / 12.0, x, y, turn)
             if memory[st.FRESH] != 0.0:
                 add(covariance, quantum * quantum / 12.0, c * x - s * y, s * x + c * y, turn)

@@ -50,7 +50,7 @@ class MouseOdometry:
         tolerance: share of its way that a healthy mouse may be wrong by: calibration, and readings that are late.
         gate: how many standard deviations of contradiction are too many.
         horizon_s: over how long a time contradictions are judged [s].
-        trust_s: how long a mouse must agree in motion until it is trusted again [s].
+        trust_s: how long a mouse must agree in motion until it is trusted again [s]; each relapse doubles it.
         coast_s: time constant with which motion that no mouse tells dies away [s].
         jump_factor: a reading that would need this many times the largest wheel speed over the ground is not
             believed.

@@ -5,7 +5,8 @@ the one sensor without which the rest agree, or to all wheels together. Where tw
 the only other witness is silence: a mouse that counts nothing while there is a contradiction is dead or lifted off.
 Where that does not help either, all mice are in doubt, and all sensors go on being used.
 
-A sensor left out is trusted again once it has agreed for a while in motion: at rest a dead one agrees as well.
+A sensor left out is trusted again once it has agreed for a while in motion: at rest a dead one agrees as well. A mouse
+of which one axis is stuck agrees whenever it moves along the other, so each relapse doubles that while.
 """
 
 import math
@@ -19,6 +20,8 @@ _CALM = 0.5  # part of the gate below which a sensor left out agrees again
 _CLEAR = 4.0  # of two answers that both fit, one must fit so much better in chi-square
 _SILENT_S = 0.04  # no count for so long, and still a contradiction
 _COUNTS = 4.0  # a way of so many counts is motion
+_RELAPSES = 5.0  # that count: by default 9.6 s of agreement at most
+_FORGOTTEN = 100.0  # one relapse is forgotten after so many times of trust in motion: by default 30 s
 
 
 @leaf
@@ -57,11 +60,15 @@ def explained(params, freedom, chi_square, part):  # type: ignore[no-untyped-def
 
 @leaf
 def dismiss(params, memory, culprit):  # type: ignore[no-untyped-def]
-    """Leave out one sensor, or all wheels."""
+    """Leave out one sensor, or all wheels; with that the contradiction is laid to somebody."""
+    memory[st.DOUBT] = memory[st.SHARE] = memory[st.TOLD] = memory[st.CLEARED] = 0.0
     for s in range(int(params[st.SENSORS])):
         if not st.left_out(params, memory, s, st.NOBODY, -1) and st.left_out(params, memory, s, culprit, -1):
             m = st.STATES + s * st.STATE
             memory[m + st.OUT], memory[m + st.GOOD] = 1.0, 0.0
+            # wheels slip again and again, and are sound
+            if params[st.TABLE + s * tb.BLOCK + tb.KIND] == tb.MOUSE:
+                memory[m + st.RELAPSES] = min(_RELAPSES + 1.0, memory[m + st.RELAPSES] + 1.0)
 
 
 @leaf
@@ -152,17 +159,23 @@ def pardon(params, memory, dt):  # type: ignore[no-untyped-def]
     changed, trial = False, memory[st.TRIAL : st.TRIAL + 3]
     for s in range(int(params[st.SENSORS])):
         b, m = st.TABLE + s * tb.BLOCK, st.STATES + s * st.STATE
-        if memory[m + st.OUT] == 0.0 or memory[m + st.READ] == 0.0:
+        if memory[m + st.READ] == 0.0:
+            continue
+        moves = memory[m + st.WAY] > _COUNTS * params[b + tb.QUANTUM]
+        if memory[m + st.OUT] == 0.0:
+            memory[m + st.GOOD] += dt if moves else 0.0
+            if memory[m + st.GOOD] > _FORGOTTEN * params[st.TRUST_S]:
+                memory[m + st.RELAPSES], memory[m + st.GOOD] = max(0.0, memory[m + st.RELAPSES] - 1.0), 0.0
             continue
         freedom = st.row_count(params, memory, -1) + int(params[b + tb.ROWS]) - 3
         if not st.fit_sums(params, memory, -1, s, trial) or freedom < 1:
             continue
         if not explained(params, freedom, st.cost(params, memory, -1, s, trial), _CALM):
             memory[m + st.GOOD] = 0.0
-        elif memory[m + st.WAY] > _COUNTS * params[b + tb.QUANTUM]:
+        elif moves:
             memory[m + st.GOOD] += dt
-            if memory[m + st.GOOD] > params[st.TRUST_S]:
-                memory[m + st.OUT], changed = 0.0, True
+            if memory[m + st.GOOD] > params[st.TRUST_S] * 2.0 ** max(0.0, memory[m + st.RELAPSES] - 1.0):
+                memory[m + st.OUT], memory[m + st.GOOD], changed = 0.0, 0.0, True
     return changed
 
 

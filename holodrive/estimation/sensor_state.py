@@ -38,7 +38,9 @@ NORMAL = 35  # eq.SIZE
 SUMS_NORMAL = NORMAL + eq.SIZE  # eq.SIZE
 COUNTS = SUMS_NORMAL + eq.SIZE  # 9: covariance of what counts have not told yet, base_link
 FRESH = COUNTS + 9  # 1 when other sensors than before begin to tell
-STATES = FRESH + 1
+SHARE = FRESH + 1  # of its way that some sensor may be wrong by while there is a doubt, else 0
+TOLD, CLEARED = SHARE + 1, SHARE + 2  # 1 once the covariance has it; s of agreement in motion that would show it
+STATES = CLEARED + 1
 
 # --- state of one sensor ----------------------------------------------------------------------------
 Z = 0  # 2: of this tick [m]
@@ -51,7 +53,8 @@ GOOD = 8  # s for which it agreed while it moved
 OLD, OLD_STEER = 9, 10  # rad
 SILENT = 11  # s since it told anything but zero
 DUE = 12  # m that it told or should have, whichever is more: what it may be wrong by follows from that
-STATE = 13
+RELAPSES = 13  # how often it was left out, not long ago
+STATE = 14
 
 _COUNTS_S = 1.0  # for how long counts are added up before they matter
 _LEAST = 1e-18  # m^2: no sensor is perfect

@@ -8,6 +8,7 @@ from holodrive.types import Array, Pose
 
 PAIR = (Pose(0.0, 0.0, 0.0), Pose(0.1, 0.0, 0.0))
 CORNERS = (Pose(0.1, 0.08, 0.0), Pose(0.1, -0.08, 0.5), Pose(-0.1, 0.08, -2.0), Pose(-0.1, -0.08, 0.0))
+SQUARE = tuple(Pose(x, y, 0.0) for x, y, _ in CORNERS)
 
 
 def motion(rng: np.random.Generator, duration_s: float, dt_s: float) -> Array:

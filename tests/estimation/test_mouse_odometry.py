@@ -131,6 +131,47 @@ def test_a_mouse_that_comes_back_is_trusted_again_only_after_it_agreed_in_motion
     assert suspect[230] == 0
 
 
+def test_a_mouse_with_a_stuck_axis_is_pardoned_ever_more_rarely() -> None:
+    """Half a second along the sound axis is agreement, too: each relapse doubles how much of it is asked for."""
+    leg = np.array([[0.03, 0.0, 0.0]] * 34 + [[0.0, 0.03, 0.0]] * 34)
+    moves = 0.015 * np.tile(leg, (24, 1))
+    exact = ground.ways(moves, ground.SQUARE)
+    exact[:, 1, 0] = 0.0
+    suspect = track(ground.SQUARE, ground.counts(exact, np.random.default_rng(0)), dt_s=0.015).suspect
+    back = np.flatnonzero((suspect[:-1] == 2) & (suspect[1:] == 0))
+    assert len(back) <= 5  # of 24 legs; one and the same time of trust gives 24
+    assert np.mean(suspect[len(suspect) // 2 :] == 2) > 0.9
+
+
+def test_a_mouse_that_was_sound_for_long_is_trusted_as_soon_as_ever() -> None:
+    """One relapse is forgotten after half a minute of trust in motion."""
+    told = steady(ground.SQUARE, (0.03, 0.01, 0.0), 75.0)
+    for start in (100, 4700):
+        told[start : start + 30, 2] = 0.0
+    suspect = track(ground.SQUARE, told, dt_s=0.015).suspect
+    first, second = (int(np.sum(suspect[start : start + 200] == 4)) for start in (100, 4700))
+    assert first > 30
+    assert abs(second - first) < 5
+
+
+@pytest.mark.parametrize("twist", [(0.03, 0.01, 0.0), (0.02, 0.03, 0.1)])
+def test_of_two_mice_in_doubt_the_covariance_says_how_wrong_the_pose_may_be(twist: tuple[float, float, float]) -> None:
+    """And while the motion shows nothing, the doubt stays; it ends when both have agreed where they need not have."""
+    told = np.concatenate([steady(ground.PAIR, twist, 4.0), steady(ground.PAIR, (0.0, 0.03, 0.0), 1.0)])
+    sound, moves = told.copy(), np.tile(0.015 * np.array(twist), (266, 1))
+    told[66:267, 1] = ground.counts(0.5 * told[66:267, 1:2], np.random.default_rng(0))[:, 0]
+    one, other = track(ground.PAIR, told, dt_s=0.015), track(ground.PAIR, sound, dt_s=0.015)
+    assert (one.suspect[80:266] == 3).any()
+    error, said = one.pose[266] - ground.path(moves)[-1], np.sqrt(np.diag(one.covariance[266]))
+    assert 0.1 < math.hypot(*error[:2]) / math.hypot(*said[:2]) < 5.0
+    assert 0.1 < abs(error[2]) / said[2] < 5.0
+    across = one.covariance[-1, 2, 2] - one.covariance[280, 2, 2]
+    assert across > 100.0 * (other.covariance[-1, 2, 2] - other.covariance[280, 2, 2])
+    agreed = np.concatenate([told, steady(ground.PAIR, (0.03, 0.0, 0.0), 2.0)])
+    last = track(ground.PAIR, agreed, dt_s=0.015).covariance[:, 2, 2]
+    assert last[-1] - last[-30] < 1e-6
+
+
 @pytest.mark.parametrize("share", [0.3, 0.6])
 def test_a_slipping_mouse_of_four_is_left_out(share: float) -> None:
     told = steady(ground.CORNERS, (0.03, 0.02, 0.1))
