@@ -28,10 +28,7 @@ def main():
     pictures = [
         ("To (10, 10) m and 180°", paths_over(figures.floor(printed.GOAL_FIGURES), ways, 420.0, 420.0)),
         ("How far it still is", over_time("Distance", "m", [(t.setup.name, t.time, t.error) for t in tracks])),
-        (
-            "Steering of one module",
-            over_time("Angle", "°", [(t.setup.name, t.time, t.steer_deg[:, 1]) for t in tracks]),
-        ),
+        ("Steering of one module", over_time("Angle", "°", steering)),
         ("Torque of one sinusoidal motor", over_time("Torque over its mean", "%", torques())),
     ]
     path = Path(__file__).resolve().parents[1] / "docs" / "pictures" / "swerve.svg"
