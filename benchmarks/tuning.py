@@ -35,7 +35,7 @@ def timed(job, backend):
 def measure(job, rounds):
     import distributed
 
-    options = {"n_workers": 2, "threads_per_worker": 1, "processes": True, "dashboard_address": None}
+    options = {"n_workers": 2, "threads_per_worker": 1, "processes": True, "dashboard_address": "127.0.0.1:0"}
     with distributed.LocalCluster(**options, host="127.0.0.1") as local:
         address = local.scheduler_address
         with Cluster(address) as runner:
