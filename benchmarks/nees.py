@@ -19,7 +19,8 @@ limits let the filter expect. Then the error of the pose at the end, and that of
 the gyro on the same runs. Where a plant has no slip, that is no merit: it makes one motion of wheels that contradict
 each other as the plant does. Exit code 1 when a bar is missed: NEES averaged over the ten times inside the band, for
 every choice of sensors in `drawn`, for gyro and measuring wheels and for all in `plain`; and the error with all sensors
-below that of the wheels alone wherever these slip.
+below that of the wheels alone wherever these slip; and in `motors` the error of wheels and gyro below three times that
+of `wheel_odometry`.
 """
 
 import argparse
@@ -171,6 +172,8 @@ def main():
             if name == "wheels + gyro":
                 error, turn = by_wheels(seen, recordings)
                 lines.append(f"{'':6s} {'   by wheel_odometry':27s} {'':38s} {error:8.2f} {turn:7.2f}")
+                if setup == "motors" and errors[name] > 3.0 * error:
+                    missed.append("wheels + gyro far from wheel_odometry, motors")
             if (BARS[setup] is None or name in BARS[setup]) and not low <= nees.mean() <= high:
                 missed.append(f"NEES of {name}, {setup}")
         missed += (

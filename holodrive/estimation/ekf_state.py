@@ -37,7 +37,8 @@ NIS, NIS_ROWS = 6, 7  # sum of squared innovations over their variances since th
 REFUSED = 8  # rows that the gate refused, since the start
 HITS = 9  # ticks at which more than one sensor contradicted the motion expected
 TICK_NIS, TICK_ROWS = 10, 11  # of the last tick
-FLAGS = 12
+APART = 12  # m^2/s^2: mean square by which modules contradict each other
+FLAGS = 13
 
 # --- memory of one row ------------------------------------------------------------------------------
 Z = 0  # m since OLD_TIME; rad/s of a gyro
@@ -174,3 +175,11 @@ def move(x, p, n, dt, scratch):  # type: ignore[no-untyped-def]
     for i in range(3):
         for j in range(i + 1, n):
             p[i * n + j] = p[j * n + i]
+
+
+@leaf
+def loosen(p, n, params, apart):  # type: ignore[no-untyped-def]
+    """What the twist was tells little while modules contradict each other: `apart` [m^2/s^2] more variance."""
+    for i in range(3):
+        share = params[YAW_STRAY] / params[STRAY] if i == 2 else 1.0
+        p[(VX + i) * n + VX + i] += apart * share * share

@@ -4,6 +4,10 @@ Which readings are believed: rows come in the order of `ekf_rows.table`, each ju
 leave likely. One sensor that contradicts is refused. If several do, the motion expected was wrong and not they: the
 robot was hit, or lifted; then all are taken anew with a twist that may be anything, and whoever still contradicts
 those before is refused.
+
+Modules that turn apart contradict each other for many ticks, all the same way: no white noise, and no one wheel's
+fault. What their own least squares leaves over says how much. So long all rows of modules are as uncertain as that,
+and equally, and the twist is free to follow them, so that neither order, gate nor the motion before takes sides.
 """
 
 import math
@@ -20,6 +24,11 @@ _UNEVEN = 0.02  # share of a tick's steering by which its mean is not where the 
 _STILL_COUNTS = 20.0  # no reading of so few counts is too fast
 _LEAST = 1e-16  # m^2: no sensor is perfect
 _TWELFTH = 1.0 / 12.0
+_APART = 9.0  # times the mean square that noise leaves: more says that modules contradict each other
+_APART_S = 0.5  # in which a contradiction is forgotten
+_APART_TICKS = 10.0  # for which it pushes one way
+_APART_STRAYS = 100.0  # of its variance that the twist may change by, so that wheels outweigh what they told before
+_SWEEP_RAD_S = 0.1  # modules that turn slower stand
 
 
 @leaf
@@ -97,6 +106,9 @@ def step(obs, memory, params, time, dt):  # type: ignore[no-untyped-def]
     x, flags, p = memory[:n], memory[n : n + es.FLAGS], memory[at : at + n * n]
     read(obs, memory, params, time)
     es.wander(p, n, params, dt)
+    now = contradiction(memory, params, dt)
+    flags[es.APART] = max(now, flags[es.APART] * math.exp(-dt / _APART_S))
+    es.loosen(p, n, params, _APART_STRAYS * flags[es.APART])
     if update_twice(memory, params, dt) > 1:
         es.come_back(memory, params)
         es.widen(p, n, params)
@@ -181,6 +193,38 @@ def update_twice(memory, params, dt):  # type: ignore[no-untyped-def]
 
 
 @leaf
+def contradiction(memory, params, dt):  # type: ignore[no-untyped-def]
+    """Mean square [m^2/s^2] that the modules' own least squares leaves; 0 where noise explains it, or none turns."""
+    n, first = int(params[es.SIZE]), es.rows_at(params)
+    x = memory[:n]
+    # the normal equations, upper half, and their right side
+    xx = xy = xt = yy = yt = tt = x1 = y1 = t1 = square = noise = count = sweep = 0.0
+    for r in range(int(params[es.ROWS])):
+        row, state = params[es.TABLE + r * rw.BLOCK :], memory[first + r * es.ROW :]
+        if row[rw.KIND] < rw.ALONG or state[es.READ] == 0.0 or state[es.SPAN] > 1.5 * dt:
+            continue
+        a, b, c = direction(row, state, x)
+        state[es.WAY] = abs(state[es.Z]) + row[rw.QUANTUM]
+        sweep = max(sweep, abs(state[es.SWEPT]))
+        noise += noise_of(params, row, state, dt, 0.0, a, b, c) + 2.0 * own_variance(row)
+        z = row[rw.CASTER] * state[es.SWEPT] if row[rw.KIND] == rw.ACROSS else state[es.Z]
+        xx, xy, xt, yy, yt, tt = xx + a * a, xy + a * b, xt + a * c, yy + b * b, yt + b * c, tt + c * c
+        x1, y1, t1, square, count = x1 + a * z, y1 + b * z, t1 + c * z, square + z * z, count + 1.0
+    if count < 4.0 or sweep < _SWEEP_RAD_S * dt:
+        return 0.0
+    # Cramer's rule
+    u, v, w = yy * tt - yt * yt, xt * yt - xy * tt, xy * yt - xt * yy
+    det = xx * u + xy * v + xt * w
+    if det <= 1e-9 * xx * yy * tt:
+        return 0.0
+    at_x = u * x1 + v * y1 + w * t1
+    at_y = v * x1 + (xx * tt - xt * xt) * y1 + (xy * xt - xx * yt) * t1
+    at_t = w * x1 + (xy * xt - xx * yt) * y1 + (xx * yy - xy * xy) * t1
+    left = (square - (at_x * x1 + at_y * y1 + at_t * t1) / det) / (count - 3.0)
+    return left / (dt * dt) if left > _APART * noise / count else 0.0
+
+
+@leaf
 def way(memory, params, row, state):  # type: ignore[no-untyped-def]
     """How far a sensor likely goes over the ground by the state's twist; a module along and across together."""
     n, at = int(params[es.SIZE]), es.square_at(params)
@@ -219,7 +263,7 @@ def measure(memory, params, row, state, dt):  # type: ignore[no-untyped-def]
     span = 1.0 if kind == rw.GYRO else state[es.SPAN]
     a, b, c = direction(row, state, x)
     told = a * x[es.VX] + b * x[es.VX + 1] + c * x[es.VX + 2]
-    noise = noise_of(params, row, state, dt, a, b, c)
+    noise = noise_of(params, row, state, dt, memory[n + es.APART], a, b, c)
     # factors of the bias, the timing, what is untold now, what was untold before
     bias = timing = now = before = late = 0.0
     timing_at = es.GYRO_TIMING_AT if kind == rw.GYRO else es.TIMING_AT
@@ -296,11 +340,13 @@ def along(p, n, a, b, c):  # type: ignore[no-untyped-def]
 
 
 @leaf
-def noise_of(params, row, state, dt, a, b, c):  # type: ignore[no-untyped-def]
+def noise_of(params, row, state, dt, apart, a, b, c):  # type: ignore[no-untyped-def]
     """Variance of a row's noise that gathers [m^2]."""
     if row[rw.KIND] == rw.GYRO:
         return _LEAST
     value = _LEAST + row[rw.RELATIVE] * state[es.WAY] ** 2 + row[rw.WALK] * state[es.WAY]
+    if row[rw.KIND] >= rw.ALONG:
+        value += _APART_TICKS * apart * state[es.SPAN] ** 2
     if row[rw.KIND] == rw.ACROSS:
         wrong = params[es.STEER_NOISE] ** 2 + (_UNEVEN * state[es.SWEPT]) ** 2
         value += wrong * state[es.WAY] ** 2

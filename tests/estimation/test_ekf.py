@@ -276,6 +276,29 @@ def test_one_wrong_reading_is_refused_and_told() -> None:
     assert np.abs(found.pose[-1] - clean.pose[-1]).max() < 1e-4
 
 
+def test_one_module_that_is_wrong_while_none_turns_is_refused() -> None:
+    robot = equipped("swerve3")
+    rows = readings(robot, steady(100))
+    clean = ekf_track.track(robot, rows, start=START)
+    rows[60:, layout.WHEEL_POSITION] += 0.5
+    found = ekf_track.track(robot, rows, start=START)
+    assert (clean.refused, found.refused) == (0, 1)
+    assert np.abs(found.pose[-1] - clean.pose[-1]).max() < 1e-4
+
+
+def test_modules_that_contradict_each_other_as_they_turn_are_believed_together() -> None:
+    """Three modules lag unequally, for many ticks the same way: none is refused, and the doubt grows as it must."""
+    robot = replace(equipped("swerve3"), imu=None, mice=())
+    way = 4.0 * np.sin(np.arange(400) * DT * 2.0)
+    twists = np.stack([0.5 * np.cos(way), 0.5 * np.sin(way), np.zeros(400)], axis=1)
+    rows, rate = readings(robot, twists), np.gradient(way, DT)
+    rows[1:, layout.STEER : layout.STEER + 3] -= rate[:, None] * [0.0, 0.1, 0.2]
+    found, truth = ekf_track.track(robot, rows, start=START), integrated(twists)
+    assert (found.refused, found.hits) == (0, 0)
+    assert np.abs(found.pose[-1] - truth[-1]).max() < 0.1
+    assert consistency.nees(found.pose[100::100], found.covariance[100::100], truth[100::100]).max() < 7.8
+
+
 def test_a_robot_that_is_stopped_by_a_wall_is_followed() -> None:
     """All sensors contradict the motion expected, so it is the motion that was wrong."""
     robot = equipped("swerve3")
