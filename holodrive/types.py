@@ -76,8 +76,11 @@ class MotorState(NamedTuple):
 
     @property
     def efficiency(self) -> Array:
-        """(..., k) mechanical over electrical power where the motor drives, NaN where it does not."""
-        drives = (self.electrical > 0.0) & (self.mechanical >= 0.0)
+        """(..., k) mechanical over electrical power where the motor drives, NaN where it does not.
+
+        NaN, too, where it gives more than it takes, which is what its coils had stored.
+        """
+        drives = (self.electrical > 0.0) & (self.mechanical >= 0.0) & (self.mechanical <= self.electrical)
         return np.divide(self.mechanical, self.electrical, out=np.full_like(self.electrical, np.nan), where=drives)
 
 

@@ -87,6 +87,6 @@ def test_motors_of_another_robot_are_refused(robot: Robot) -> None:
 
 def test_efficiency_is_known_only_while_a_motor_drives() -> None:
     state = MotorState(
-        *(np.array(row) for row in ([1.0] * 4, [1.0] * 4, [4.0, -2.0, 0.0, np.nan], [3.0, -4.0, 0.0, 1.0]))
-    )
-    np.testing.assert_array_equal(state.efficiency, [0.75, np.nan, np.nan, np.nan])
+        *(np.array(row) for row in ([1.0] * 5, [1.0] * 5, [4.0, -2.0, 0.0, np.nan, 0.1], [3.0, -4.0, 0.0, 1.0, 8.0]))
+    )  # the last lives on what its coils had stored: no efficiency of 8000 %
+    np.testing.assert_array_equal(state.efficiency, [0.75, np.nan, np.nan, np.nan, np.nan])
