@@ -153,6 +153,7 @@ def open_text(
     migrations: Mapping[int, Migration],
     overrides: Mapping[str, object] | None = None,
     collections: Iterable[str] = (),
+    libraries: Iterable[str] = (),
 ) -> Source:
     """Parse a TOML text, bring it to the newest schema and apply `--set` overrides.
 
@@ -163,6 +164,7 @@ def open_text(
         migrations: from schema number n to the function that makes a table of schema n + 1.
         overrides: dotted key -> value; text is read as TOML where it is TOML ("3.2", "true"), else as it stands.
         collections: dotted names of the tables of named or numbered things, such as "wheel".
+        libraries: keys whose text is a name of a library, such as "motor"; an override below one changes that entry.
 
     Raises:
         FileFaults: when the text is no TOML or its schema is unknown (nothing else can then be judged).
@@ -175,7 +177,7 @@ def open_text(
     _parse(source)
     _migrate(source, newest, migrations)
     for key, value in (overrides or {}).items():
-        _override(source, key, value, tuple(collections))
+        _override(source, key, value, tuple(collections), tuple(libraries))
     return source
 
 
@@ -243,7 +245,9 @@ def _migrate(source: Source, newest: int, migrations: Mapping[int, Migration]) -
         source.table = {**migrations[number](source.table), "schema": number + 1}
 
 
-def _override(source: Source, key: str, value: object, collections: tuple[str, ...]) -> None:
+def _override(
+    source: Source, key: str, value: object, collections: tuple[str, ...], libraries: tuple[str, ...]
+) -> None:
     text = f"{key}={value if isinstance(value, str) else _toml(value)}"
     parts = key.split(".")
     if not all(parts):
@@ -270,6 +274,8 @@ def _override(source: Source, key: str, value: object, collections: tuple[str, .
             if part not in node and inside in collections:
                 _refuse_setting(source, key, text, f"there is no {inside} {part!r}", meant(part, node))
                 return
+            if part in libraries and isinstance(node.get(part), str):  # a name with changes
+                node[part] = {"model": node[part]}
             path, node = (*path, part), node.setdefault(part, {})
     if not isinstance(node, dict):
         _refuse_setting(source, key, text, f"{'.'.join(parts[:-1])} is {shown(node)} and holds no keys")

@@ -12,6 +12,7 @@ from holodrive.robots.spec import Robot
 SCHEMA = 1
 MIGRATIONS: dict[int, Migration] = {}  # from schema n to the function that makes a table of schema n + 1
 COLLECTIONS = ("wheel", "sensor.mouse", "linearizer", "pwm_map")
+LIBRARIES = ("motor", "encoder")  # keys whose text is a name of a library
 
 _HERE = Path(__file__).parent
 CATALOG = _HERE / "catalog"
@@ -43,7 +44,8 @@ def parse(text: str, file: str = "robot.toml", overrides: Mapping[str, object] |
 
     from holodrive.robots.assemble import robot
 
-    source = open_text(text, file, newest=SCHEMA, migrations=MIGRATIONS, overrides=overrides, collections=COLLECTIONS)
+    names: dict[str, tuple[str, ...]] = {"collections": COLLECTIONS, "libraries": LIBRARIES}
+    source = open_text(text, file, newest=SCHEMA, migrations=MIGRATIONS, overrides=overrides, **names)
     found = robot(source)
     return replace(found, text=dump(found)) if overrides else found
 

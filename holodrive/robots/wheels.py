@@ -117,9 +117,18 @@ def _merged(path: Path, own: Table, shared: Table, source: Source) -> Table:
             for inner in set(lent) - set(value):
                 source.borrowed[(*path, key, inner)] = ("defaults", "wheel", key, inner)
             merged[key] = {**lent, **value}
+            if key == "steering" and "motor" in value:
+                merged[key]["motor"] = _changed(value["motor"], lent.get("motor"))
         else:
-            merged[key] = value
+            merged[key] = _changed(value, lent) if key == "motor" else value
     return merged
+
+
+def _changed(own: object, lent: object) -> object:
+    """A motor of which only some keys are written, and no kind, changes the one whose name is shared."""
+    if isinstance(own, dict) and isinstance(lent, str) and not {"model", "kind"} & set(own):
+        return {"model": lent, **own}
+    return own
 
 
 def _needs(table: Table) -> dict[str, str]:

@@ -186,6 +186,19 @@ def test_a_shared_default_can_be_overridden():
     assert {w.radius for w in robot.wheels} == {0.06}
 
 
+def test_an_override_below_a_name_of_the_library_changes_that_entry():
+    plain = robots.load("swerve3_motors")
+    all_of_them = robots.load("swerve3_motors", {"defaults.wheel.motor.drive": "foc"})
+    assert [w.motor for w in all_of_them.wheels] == [replace(w.motor, drive="foc") for w in plain.wheels]
+    one = robots.load("swerve3_motors", {"wheel.left.motor.drive": "foc", "wheel.left.steering.motor.drive": "foc"})
+    front, *_, left = one.wheels
+    assert front == plain.wheels[0]
+    assert left.motor == replace(front.motor, drive="foc") == left.steering.motor
+    with pytest.raises(FileFaults) as error:
+        robots.load("swerve3_motors", {"defaults.wheel.motor.poles": 7})
+    assert "the poles of a rotor come in pairs, found 7; did you mean 14?" in error.value.faults[0].one_line()
+
+
 @pytest.mark.parametrize(
     ("key", "value", "expected"),
     [
