@@ -262,22 +262,35 @@ def drive_modules(kin: Array, dt: float, memory: Array, first: Array, second: Ar
         j = int(kin[b + STEER_INDEX])
         if j < 0:
             continue
-        now, along, across = memory[STEER + j], first[i], second[j]
-        speed = math.sqrt(along * along + across * across)
-        turn = wrap(math.atan2(across, along) - now)
-        if speed < kin[HOLD]:
-            first[i], second[j], memory[signs + j] = speed * math.cos(turn) / kin[b + RADIUS], now, 0.0
+        now = memory[STEER + j]
+        speed, turn = shorter_turn(kin, memory, j, first[i], second[j], flip_together)
+        if memory[signs + j] == 0.0:
+            first[i], second[j] = speed * math.cos(turn) / kin[b + RADIUS], now
             continue
-        if flips(turn, memory[signs + j], flip_together, kin[BAND]):
-            turn += -math.pi if turn > 0.0 else math.pi
-            speed = -speed
-        memory[signs + j] = -1.0 if speed < 0.0 else 1.0
         reach = kin[b + STEER_RATE] * dt
         if abs(turn) > reach:
             step = reach if turn > 0.0 else -reach
             speed *= math.cos(turn - step)
             turn = step
         first[i], second[j], memory[STEER + j] = speed / kin[b + RADIUS], now + turn, now + turn
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def shorter_turn(
+    kin: Array, memory: Array, j: int, along: float, across: float, flip_together: bool
+) -> tuple[float, float]:
+    """Signed speed [m/s] of a module and how far it turns for it [rad]; its drive sign is remembered, 0 at rest."""
+    sign = STEER + int(kin[N_STEER]) + j
+    speed = math.sqrt(along * along + across * across)
+    turn = float(wrap(math.atan2(across, along) - memory[STEER + j]))
+    if speed < kin[HOLD]:
+        memory[sign] = 0.0
+        return speed, turn
+    if flips(turn, memory[sign], flip_together, kin[BAND]):
+        turn += -math.pi if turn > 0.0 else math.pi
+        speed = -speed
+    memory[sign] = -1.0 if speed < 0.0 else 1.0
+    return speed, turn
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -399,16 +412,11 @@ def drive_leaning(kin, vx, vy, omega, dt, memory, first, second):  # type: ignor
         j = int(kin[b + STEER_INDEX])
         if j < 0:
             continue
-        now, along, across = memory[STEER + j], first[i], second[j]
-        speed = math.sqrt(along * along + across * across)
-        turn = wrap(math.atan2(across, along) - now)
-        if speed < kin[HOLD]:
-            first[i], second[j], memory[signs + j] = speed * math.cos(turn) / kin[b + RADIUS], now, 0.0
+        now = memory[STEER + j]
+        speed, turn = shorter_turn(kin, memory, j, first[i], second[j], flip_together)
+        if memory[signs + j] == 0.0:
+            first[i], second[j] = speed * math.cos(turn) / kin[b + RADIUS], now
             continue
-        if flips(turn, memory[signs + j], flip_together, kin[BAND]):
-            turn += -math.pi if turn > 0.0 else math.pi
-            speed = -speed
-        memory[signs + j] = -1.0 if speed < 0.0 else 1.0
         reach = kin[b + STEER_RATE] * dt
         if kin[b + CASTER] != 0.0:
             goal = turn

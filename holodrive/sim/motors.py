@@ -19,7 +19,6 @@ The board runs once a physics step. It holds the command of the control tick, an
 
 import math
 
-from holodrive import obstacles as ob
 from holodrive.actuators.averaged import averaged_substep
 from holodrive.actuators.bldc import (
     BACK_EMF,
@@ -44,8 +43,8 @@ from holodrive.sim import model as md
 from holodrive.sim import motor_blocks as mb
 from holodrive.sim import state as st
 from holodrive.sim.caster import lever, trail
-from holodrive.sim.contact import keep_outside
-from holodrive.sim.first_order import servo_step, twist_of_wheels, with_wheel
+from holodrive.sim.first_order import servo_step, with_wheel
+from holodrive.sim.roll import roll, stand
 from holodrive.sim.turn import turn_factors
 
 _SLEWS = 0.95  # of the fastest steering: from there on a module slews
@@ -56,27 +55,13 @@ _DEAD = 1e-200  # A, V, rad/s
 @leaf
 def motors_period(model, obstacles, state, events):  # type: ignore[no-untyped-def]
     """One control period of physics steps with the commands in `state`."""
-    n, m, steps, dt = int(model[md.N]), int(model[md.M]), int(model[md.STEPS]), model[md.DT]
-    fastest = obstacles[ob.FASTEST] * dt
-    moved_x = moved_y = moved_turn = 0.0
-    for k in range(steps):
-        board(model, state, n, m, k * dt)
+    n, m = int(model[md.N]), int(model[md.M])
+    stand(state)
+    for k in range(int(model[md.STEPS])):
+        board(model, state, n, m, k * model[md.DT])
         levers(model, state, n, m)
         vx, vy, omega = shafts(model, state, n, m)
-        dx, dy, turn = vx * dt, vy * dt, omega * dt
-        moved_x, moved_y, moved_turn = moved_x + dx, moved_y + dy, moved_turn + turn
-        sine, versine = turn_factors(turn)
-        ux, uy = sine * dx - versine * dy, versine * dx + sine * dy
-        c, s = math.cos(state[st.POSE + 2]), math.sin(state[st.POSE + 2])
-        state[st.POSE] += c * ux - s * uy
-        state[st.POSE + 1] += s * ux + c * uy
-        state[st.POSE + 2] += turn
-        state[st.FREE] -= abs(dx) + abs(dy) + fastest
-        if state[st.FREE] < 0.0 or k == steps - 1:
-            twist_of_wheels(model, state, n)
-        if state[st.FREE] < 0.0:
-            keep_outside(model, obstacles, state, events, (state[st.TICK] * steps + k + 1) * dt)
-    state[st.MOVED], state[st.MOVED + 1], state[st.MOVED + 2] = moved_x, moved_y, moved_turn
+        roll(model, obstacles, state, events, k, vx, vy, omega)
     tell(model, state, n, m)
 
 

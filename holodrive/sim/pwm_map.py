@@ -7,19 +7,15 @@ A wheel that starts out of standstill, or against its motion, first waits for th
 body then move as with the first-order plant (Keek et al., eq. 9 to 12, inverted; dead time and lag are not printed).
 """
 
-import math
-
 import numpy as np
 
-from holodrive import obstacles as ob
 from holodrive.actuators.duty_curve import speed_of
 from holodrive.leaf import leaf
 from holodrive.sim import model as md
 from holodrive.sim import state as st
 from holodrive.sim import streams
-from holodrive.sim.contact import keep_outside
-from holodrive.sim.first_order import steer, twist_of_wheels, with_wheel
-from holodrive.sim.turn import turn_factors
+from holodrive.sim.first_order import steer, with_wheel
+from holodrive.sim.roll import roll, stand
 
 _STANDS = 0.02  # of the speed at full duty: a wheel below stands
 
@@ -27,28 +23,14 @@ _STANDS = 0.02  # of the speed at full duty: a wheel below stands
 @leaf
 def pwm_map_period(model, obstacles, state, events, key):  # type: ignore[no-untyped-def]
     """One control period of physics steps with the duties and steering commands in `state`."""
-    n, steps, dt = int(model[md.N]), int(model[md.STEPS]), model[md.DT]
-    steered, fastest = model[md.M] > 0.0, obstacles[ob.FASTEST] * dt
+    n, steered = int(model[md.N]), model[md.M] > 0.0
     aim(model, state, key, n)
-    moved_x = moved_y = moved_turn = 0.0
-    for k in range(steps):
+    stand(state)
+    for k in range(int(model[md.STEPS])):
         if steered:
             steer(model, state, n)
-        vx, vy, omega = map_step(model, state, n, dt)
-        dx, dy, turn = vx * dt, vy * dt, omega * dt
-        moved_x, moved_y, moved_turn = moved_x + dx, moved_y + dy, moved_turn + turn
-        sine, versine = turn_factors(turn)
-        ux, uy = sine * dx - versine * dy, versine * dx + sine * dy
-        c, s = math.cos(state[st.POSE + 2]), math.sin(state[st.POSE + 2])
-        state[st.POSE] += c * ux - s * uy
-        state[st.POSE + 1] += s * ux + c * uy
-        state[st.POSE + 2] += turn
-        state[st.FREE] -= abs(dx) + abs(dy) + fastest
-        if state[st.FREE] < 0.0 or k == steps - 1:
-            twist_of_wheels(model, state, n)
-        if state[st.FREE] < 0.0:
-            keep_outside(model, obstacles, state, events, (state[st.TICK] * steps + k + 1) * dt)
-    state[st.MOVED], state[st.MOVED + 1], state[st.MOVED + 2] = moved_x, moved_y, moved_turn
+        vx, vy, omega = map_step(model, state, n, model[md.DT])
+        roll(model, obstacles, state, events, k, vx, vy, omega)
 
 
 @leaf

@@ -47,7 +47,7 @@ def duration(table: Table) -> float:
 
 def nearness_deg(alpha_deg: float) -> float:
     """Angle between a path and 90 or 270 deg, where all wheels turn the same way [deg]."""
-    return float(abs(np.mod(alpha_deg + 0.0, 180.0) - 90.0))
+    return float(abs(np.mod(alpha_deg, 180.0) - 90.0))
 
 
 __all__ = [
